@@ -12,10 +12,14 @@ namespace {
 
 constexpr double kSameStartRad = 10.0 * kRadPerDeg;
 constexpr double kSameKindRad = 25.0 * kRadPerDeg;
+// An error of up that nobody would overlook.
+constexpr double kTurnedRad = 35.0 * kRadPerDeg;
 constexpr double kStartsAroundLine = 24.0;
 constexpr double kFirstStepRad = 6.0 * kRadPerDeg, kLastStepRad = 0.05 * kRadPerDeg;
 constexpr int kMaxClimbingSteps = 200;
-constexpr size_t kMaxViewsToStartFrom = 40;
+constexpr size_t kMaxViewsToStartFrom = 40, kMaxClimbs = 40;
+// A camera that looks steeply down is too far from level for a climb.
+constexpr double kSteepStartRad = -40.0 * kRadPerDeg;
 // Odds beyond this are no more than words.
 constexpr double kMaxLogOdds = 20.0;
 
@@ -41,14 +45,19 @@ Eigen::Vector3d AcrossTheLine(const UpEvidence& evidence, const Eigen::Vector3d&
          climb_sine * line;
 }
 
-std::vector<Eigen::Vector3d> Starts(const UpEvidence& evidence) {
-  std::vector<Eigen::Vector3d> starts;
+// Up in a camera that is held so and looks up by the pitch.
+Eigen::Vector3d PitchedUpInCam(PictureUp up, double pitch_rad) {
+  return std::cos(pitch_rad) * UpInCam(up) + std::sin(pitch_rad) * Eigen::Vector3d::UnitZ();
+}
+
+std::vector<Start> Starts(const UpEvidence& evidence) {
+  std::vector<Start> starts;
   const auto add = [&](const Eigen::Vector3d& up_in_world) {
-    const bool is_known = std::any_of(starts.begin(), starts.end(), [&](const auto& known) {
-      return IsNear(known, up_in_world, kSameStartRad);
+    const bool is_known = std::any_of(starts.begin(), starts.end(), [&](const Start& known) {
+      return IsNear(known.up_in_world, up_in_world, kSameStartRad);
     });
     if (!is_known) {
-      starts.push_back(up_in_world);
+      starts.push_back({up_in_world, evidence.Score(up_in_world)});
     }
   };
   const Eigen::Quaterniond world_from_enu = evidence.loose_enu_from_world().rotation.conjugate();
@@ -65,6 +74,9 @@ std::vector<Eigen::Vector3d> Starts(const UpEvidence& evidence) {
       const Eigen::Vector3d up_in_world = world_from_cam * UpInCam(up);
       add(up_in_world);
       add(AcrossTheLine(evidence, up_in_world));
+      if (up != PictureUp::kBack) {
+        add(world_from_cam * PitchedUpInCam(up, kSteepStartRad));
+      }
     }
     if (views[i].up_in_cam) {
       add(world_from_cam * *views[i].up_in_cam);
@@ -73,9 +85,15 @@ std::vector<Eigen::Vector3d> Starts(const UpEvidence& evidence) {
   return starts;
 }
 
+void SortByScore(std::vector<Start>* starts) {
+  std::stable_sort(starts->begin(), starts->end(), [](const Start& a, const Start& b) {
+    return a.score.Total() > b.score.Total();
+  });
+}
+
 // Goes to the best of four neighbors until none is better, in ever smaller steps.
-Start Climb(const UpEvidence& evidence, const Eigen::Vector3d& from) {
-  Start best{from, evidence.Score(from)};
+Start Climb(const UpEvidence& evidence, const Start& from) {
+  Start best = from;
   double step_rad = kFirstStepRad;
   for (int i = 0; i < kMaxClimbingSteps && step_rad > kLastStepRad; ++i) {
     const Eigen::Quaterniond world_from_level =
@@ -108,16 +126,23 @@ double UpChoice::Odds() const {
 }
 
 UpChoice FindUp(const UpEvidence& evidence) {
-  std::vector<Start> tops;
-  for (const Eigen::Vector3d& start : Starts(evidence)) {
-    tops.push_back(Climb(evidence, start));
+  std::vector<Start> tops = Starts(evidence);
+  SortByScore(&tops);
+  tops.resize(std::min(tops.size(), kMaxClimbs));
+  for (Start& top : tops) {
+    top = Climb(evidence, top);
   }
-  std::stable_sort(tops.begin(), tops.end(), [](const Start& a, const Start& b) {
-    return a.score.Total() > b.score.Total();
-  });
+  SortByScore(&tops);
   UpChoice choice;
   choice.up_in_world = tops[0].up_in_world;
   choice.score = tops[0].score;
+  // Positions on a line leave directions about it that no climb ends at, and that may be as likely.
+  for (const double angle_rad : {-kTurnedRad, kTurnedRad}) {
+    const Eigen::Vector3d turned =
+        Eigen::AngleAxisd(angle_rad, evidence.line_in_world()) * choice.up_in_world;
+    tops.push_back({turned, evidence.Score(turned)});
+  }
+  SortByScore(&tops);
   // Up and down are of different kinds, and at least one start is far from any direction.
   for (const Start& top : tops) {
     if (!IsNear(top.up_in_world, choice.up_in_world, kSameKindRad)) {

@@ -16,9 +16,9 @@ namespace {
 // More add time and no certainty.
 constexpr size_t kMaxViews = 300, kMaxPositions = 300, kMaxSights = 3000;
 
-// Orientation 1 is also what programs write that do not know. If another one occurs in a session,
-// a sensor wrote them.
-constexpr double kTrustInSensor = 0.9, kTrustInOnes = 0.6, kTrustInUser = 0.999;
+// Of one photo, and of a session: as often as not, programs wrote the orientations that do not know
+// them (then nearly always 1), or turned the pixels.
+constexpr double kTrustInSensor = 0.9, kTrustInSession = 0.4, kTrustInUser = 0.999;
 
 // Log likelihoods that are worth a word, and beyond which a figure says no more.
 constexpr double kTelling = 1.0, kMaxWordedLogOdds = 20.0;
@@ -38,13 +38,6 @@ std::optional<PictureUp> StatedByUser(UpSource source) {
     default:
       return std::nullopt;
   }
-}
-
-double TrustInOrientations(const ImageOrientations& orientations) {
-  const bool has_sensor =
-      std::any_of(orientations.begin(), orientations.end(),
-                  [](const std::optional<int>& known) { return known.value_or(1) != 1; });
-  return has_sensor ? kTrustInSensor : kTrustInOnes;
 }
 
 UpView ViewOf(const ReconImage& image, const std::optional<int>& orientation,
@@ -218,8 +211,8 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
     RequireOrientations(orientations);
   }
   const std::optional<PictureUp> by_user = StatedByUser(options.up);
-  const double trust =
-      options.up == UpSource::kPhotos ? kTrustInUser : TrustInOrientations(orientations);
+  const double trust = options.up == UpSource::kPhotos ? kTrustInUser : kTrustInSensor;
+  const bool is_given = by_user || options.up == UpSource::kPhotos;
   std::vector<UpView> views;
   bool has_gravity = false;
   for (size_t i = 0; i < reconstruction.images.size(); ++i) {
@@ -230,10 +223,10 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
   const UpProblem problem = {.views = Thinned(views, kMaxViews),
                              .positions = Thinned(positions, kMaxPositions),
                              .sights_in_world = SightsOf(reconstruction, normalized_per_world),
+                             .trust_in_statements = is_given ? 1.0 : kTrustInSession,
                              .roll_sigma_rad = options.upright_sigma_rad};
   const UpEvidence evidence(problem);
   const UpChoice choice = FindUp(evidence);
-  const bool is_given = by_user || options.up == UpSource::kPhotos;
   double mirror_odds = 0.0;
   if (!is_given) {
     mirror_odds = RequireNoMirror(problem, choice);
@@ -242,7 +235,7 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
   CameraHolds holds;
   holds.up_in_world = choice.up_in_world;
   for (const UpView& view : views) {
-    holds.of_image.push_back(evidence.HoldOf(view, choice.up_in_world, choice.score.shares));
+    holds.of_image.push_back(evidence.HoldOf(view, choice.up_in_world, choice.score));
     ++holds.report.num_images[static_cast<size_t>(holds.of_image.back())];
   }
   holds.report.source = SourceOf(choice, by_user.has_value(), has_gravity);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "core/angles.h"
 #include "core/rotation_between.h"
@@ -19,36 +20,55 @@ constexpr double kIndependentViews = 10.0;
 // Sine of the pitch of photos that people take: normal about a pitch that the photos of a session
 // share, with a share of any pitch.
 constexpr double kPitchSigma = 0.2, kWildPitchShare = 0.2;
-constexpr double kSharedPitchSigma = 0.25, kMaxSharedPitch = 0.5;
+// The shared pitch: most sessions look ahead, one in ten looks down as steeply as it likes, and few
+// look up so.
+constexpr double kSharedPitchSigma = 0.25, kSteepPitchSigma = 0.6;
+constexpr double kSteepDownShare = 0.1, kSteepUpShare = 0.02;
+constexpr double kMaxSharedPitch = 0.95;
 // Rolls beyond the standard deviation of a careful hand.
 constexpr double kWildRollShare = 0.1, kWildRollFactor = 3.0;
-// The error of a camera that is meant to look straight down.
-constexpr double kDownSigmaRad = 0.2;
+// The error of a camera that is meant to look straight down. Its density has the same maximum as
+// that of the other ways, so that no way wins because its photos are alike.
+constexpr double kDownSigmaRad = 0.165;
 // The error of an accelerometer in a moving hand, and the share of photos in which it is useless.
 constexpr double kGravitySigmaRad = 0.1, kBadGravityShare = 0.1;
 
 // The prior of a session's holds: Dirichlet with these means, in the order of PictureUp, at last
-// any other. So weak a prior (half a photo) says that most sessions are of one kind. Cars, robots
-// and cameras never stand on their heads, and few people turn a phone so: without further evidence,
-// a session of ten lying photos counts as upright.
-constexpr HoldShares kHoldPrior = {0.43, 0.37, 0.06, 0.015, 0.04, 0.085};
+// any other. So weak a prior (half a photo) says that most sessions are of one kind. No way is
+// twenty times as likely as the opposite one, so this prior alone never decides (the default of
+// least_up_odds).
+constexpr HoldShares kHoldPrior = {0.42, 0.35, 0.08, 0.06, 0.05, 0.04};
 constexpr double kHoldPriorWeight = 0.5;
 constexpr int kShareRounds = 6;
+
+// What a session's orientations say if they say nothing: programs that do not know write 1, and a
+// phone whose rotation is locked, the way it was held before.
+constexpr HoldShares kMadeUp = {0.9, 0.02, 0.003, 0.003};
+constexpr double kMadeUpMixed = 0.01;
+// What a sensor says that looks straight down: the way it was held before.
+constexpr HoldShares kSaidFromAbove = {0.5, 0.4, 0.05, 0.05};
+constexpr double kSaidFromAboveMixed = 0.1;
 
 // The shape of a reconstruction drifts by about a hundredth of its extent, so positions that are
 // better than that do not make a bend of it significant.
 constexpr double kShapeError = 0.01;
 
+// Slopes of walks, root mean square of heights over that of horizontal distances, and the share of
+// sessions that climb in any way.
+constexpr double kSlopeSigma = 0.1, kClimbShare = 0.03;
+
 // A sight goes far below if it ends this far below the camera, and steeply enough that errors of up
 // do not matter. People hold a camera at 1 to 2 m over the ground. On real walks, up to 0.1 % of
 // the sights go far below with the true up, and 4 to 45 % with an up that is turned by 90 or 180
 // degrees (docs/math/localization.md).
-constexpr double kFarBelowM = 3.0, kSteepSine = 0.17;
-constexpr double kFewFarBelow = 0.01, kManyFarBelow = 0.04;
-// Cameras that look straight down fly: they are rarely so near to what they see.
-constexpr double kLeastFlightM = 10.0, kLowFlightShare = 1e-6;
-// Share of the sessions that are photographed from bridges, balconies or hills.
-constexpr double kHighSessionShare = 0.03;
+constexpr double kFarM = 3.0, kSteepSine = 0.17;
+constexpr double kFewFar = 0.01, kManyFar = 0.04;
+// Share of the sessions that are photographed from bridges, balconies or hills, and of these, the
+// share of those under a low roof, beyond which they see nothing.
+constexpr double kHighSessionShare = 0.03, kLowRoofShare = 0.03;
+// Cameras that look straight down fly, or a person films the floor. They are rarely between.
+constexpr double kLeastFlightM = 10.0, kLargestFloorM = 3.5;
+constexpr double kLowFlightShare = 1e-3, kUnseenFlightShare = 0.1;
 
 double Normal(double x, double sigma) {
   const double ratio = x / sigma;
@@ -71,25 +91,34 @@ double HalfLoss(double sq_residual) {
   return 0.5 * sq_scale * std::log1p(sq_residual / sq_scale);
 }
 
-// Probability that a photo was held as `hold`, before its pose is known.
-double HoldWeight(const UpView& view, size_t hold, bool with_stated, const HoldShares& shares) {
-  if (!with_stated || !view.stated) {
-    return shares[hold];
+double LogOfSum(double a, double b) {
+  const double larger = std::max(a, b);
+  return larger + std::log(std::exp(a - larger) + std::exp(b - larger));
+}
+
+// Probability that a sensor states what it does of a photo that was held as `hold`.
+double StatementLikelihood(const UpView& view, size_t hold) {
+  constexpr double kAny = 0.25;
+  if (!view.stated || hold >= static_cast<size_t>(PictureUp::kBack)) {
+    return view.stated ? kAny : 1.0;
   }
-  const double stated = static_cast<size_t>(*view.stated) == hold ? view.trust : 0.0;
-  return stated + (1.0 - view.trust) * shares[hold];
+  const bool is_same = static_cast<size_t>(*view.stated) == hold;
+  return (is_same ? view.trust : 0.0) + (1.0 - view.trust) * kAny;
 }
 
 }  // namespace
 
 UpEvidence::UpEvidence(const UpProblem& problem) : problem_(problem) {
   PreparePositions();
+  PrepareStatements();
   if (!problem_.sights_in_world.empty()) {
     std::vector<double> lengths;
     for (const Eigen::Vector3d& sight : problem_.sights_in_world) {
       lengths.push_back(sight.norm());
     }
-    median_sight_in_world_ = Median(std::move(lengths));
+    std::sort(lengths.begin(), lengths.end());
+    near_sight_in_world_ = lengths[lengths.size() / 10];
+    far_sight_in_world_ = lengths[lengths.size() - 1 - lengths.size() / 10];
   }
 }
 
@@ -123,6 +152,22 @@ void UpEvidence::PreparePositions() {
   }
 }
 
+void UpEvidence::PrepareStatements() {
+  std::optional<PictureUp> first;
+  bool is_mixed = false;
+  for (const UpView& view : problem_.views) {
+    if (view.stated) {
+      is_mixed = is_mixed || *view.stated != first.value_or(*view.stated);
+      first = view.stated;
+    }
+  }
+  has_stated_ = first.has_value();
+  if (has_stated_) {
+    made_up_ = is_mixed ? kMadeUpMixed : kMadeUp[static_cast<size_t>(*first)];
+    said_from_above_ = is_mixed ? kSaidFromAboveMixed : kSaidFromAbove[static_cast<size_t>(*first)];
+  }
+}
+
 double UpEvidence::SharedPitch(const Eigen::Vector3d& up_in_world) const {
   std::vector<double> pitches;
   for (const UpView& view : problem_.views) {
@@ -150,7 +195,7 @@ UpEvidence::Densities UpEvidence::DensitiesOf(const UpView& view,
     if (up == PictureUp::kBack) {
       density = Around(along, kDownSigmaRad);
     } else if (along > 0.0) {
-      const double roll = up_in_cam.dot(LevelInCam(up));
+      const double roll = std::atan2(up_in_cam.dot(LevelInCam(up)), along);
       density = pitch * ((1.0 - kWildRollShare) * Normal(roll, problem_.roll_sigma_rad) +
                          kWildRollShare * Normal(roll, kWildRollFactor * problem_.roll_sigma_rad));
     }
@@ -162,8 +207,7 @@ UpEvidence::Densities UpEvidence::DensitiesOf(const UpView& view,
 
 // The evidence with the shares integrated out: the likelihood at their maximum, times what the
 // Dirichlet prior leaves of it. `shares` receives the maximum.
-double UpEvidence::ScoreHolds(const std::vector<Densities>& densities, bool with_stated,
-                              HoldShares* shares) const {
+double UpEvidence::ScoreHolds(const std::vector<Densities>& densities, HoldShares* shares) {
   const double temper = Temper(densities.size());
   *shares = kHoldPrior;
   HoldShares counts = {};
@@ -171,25 +215,20 @@ double UpEvidence::ScoreHolds(const std::vector<Densities>& densities, bool with
   for (int round = 0; round < kShareRounds; ++round) {
     counts.fill(0.0);
     log_likelihood = 0.0;
-    double free_views = 0.0;  // Whose hold is drawn from the shares.
-    for (size_t i = 0; i < densities.size(); ++i) {
-      const UpView& view = problem_.views[i];
+    for (const Densities& of_view : densities) {
       double sum = 0.0;
       for (size_t hold = 0; hold < shares->size(); ++hold) {
-        sum += HoldWeight(view, hold, with_stated, *shares) * densities[i][hold];
+        sum += (*shares)[hold] * of_view[hold];
       }
       log_likelihood += temper * std::log(sum);
-      const double own = with_stated && view.stated ? 1.0 - view.trust : 1.0;
       for (size_t hold = 0; hold < shares->size(); ++hold) {
-        const double count = temper * own * (*shares)[hold] * densities[i][hold] / sum;
-        counts[hold] += count;
-        free_views += count;
+        counts[hold] += temper * (*shares)[hold] * of_view[hold] / sum;
       }
     }
     if (round + 1 < kShareRounds) {
       for (size_t hold = 0; hold < shares->size(); ++hold) {
-        (*shares)[hold] =
-            (counts[hold] + kHoldPriorWeight * kHoldPrior[hold]) / (free_views + kHoldPriorWeight);
+        (*shares)[hold] = (counts[hold] + kHoldPriorWeight * kHoldPrior[hold]) /
+                          (temper * static_cast<double>(densities.size()) + kHoldPriorWeight);
       }
     }
   }
@@ -203,6 +242,26 @@ double UpEvidence::ScoreHolds(const std::vector<Densities>& densities, bool with
   }
   occam -= std::lgamma(total + kHoldPriorWeight);
   return log_likelihood + occam;
+}
+
+// Either a sensor wrote the orientations of a session, or they say nothing of any of its photos.
+void UpEvidence::ScoreStatements(std::vector<Densities> densities, UpScore* score) const {
+  for (size_t i = 0; i < densities.size(); ++i) {
+    for (size_t hold = 0; hold < densities[i].size(); ++hold) {
+      densities[i][hold] *= StatementLikelihood(problem_.views[i], hold);
+    }
+  }
+  HoldShares shares = {};
+  const double trust = problem_.trust_in_statements;
+  const double by_sensor = std::log(trust) + ScoreHolds(densities, &shares);
+  const double share_down = score->shares[static_cast<size_t>(PictureUp::kBack)];
+  const double by_nothing =
+      std::log((1.0 - trust) * made_up_ + trust * share_down * said_from_above_) + score->cameras;
+  score->stated = LogOfSum(by_sensor, by_nothing) - score->cameras;
+  score->heeds_statements = by_sensor > by_nothing;
+  if (score->heeds_statements) {
+    score->shares = shares;
+  }
 }
 
 // Fits yaw, scale and place in closed form. For the horizontal coordinates as complex numbers e of
@@ -233,6 +292,7 @@ double UpEvidence::ScorePositions(const Eigen::Vector3d& up_in_world, double* en
   enu_mean = enu_mean.cwiseQuotient(weight_sum);
   std::complex<double> turn = 0.0;
   double numerator = 0.0, denominator = 0.0;
+  double sq_climbs = 0.0, sq_distances = 0.0;
   for (size_t i = 0; i < positions.size(); ++i) {
     const Eigen::Vector3d p = level[i] - level_mean;
     const Eigen::Vector3d e = positions[i].center_in_enu - enu_mean;
@@ -240,6 +300,8 @@ double UpEvidence::ScorePositions(const Eigen::Vector3d& up_in_world, double* en
     turn += weight.x() * std::complex<double>(e.x(), e.y()) * std::complex<double>(p.x(), -p.y());
     numerator += weight.z() * e.z() * p.z();
     denominator += weight.x() * p.head<2>().squaredNorm() + weight.z() * p.z() * p.z();
+    sq_climbs += p.z() * p.z();
+    sq_distances += p.head<2>().squaredNorm();
   }
   const double scale = std::max(0.0, (std::abs(turn) + numerator) / denominator);
   const Eigen::AngleAxisd yaw(std::arg(turn), Eigen::Vector3d::UnitZ());
@@ -250,62 +312,81 @@ double UpEvidence::ScorePositions(const Eigen::Vector3d& up_in_world, double* en
     loss += HalfLoss(SqResidual(positions[i], error));
   }
   *enu_per_world = scale;
-  return -Temper(positions.size()) * loss;
+  const double sq_slope_sigmas =
+      sq_climbs / std::max(1e-12, sq_distances) / (kSlopeSigma * kSlopeSigma);
+  const double log_slope =
+      std::log((1.0 - kClimbShare) * std::exp(-0.5 * sq_slope_sigmas) + kClimbShare);
+  return log_slope - Temper(positions.size()) * loss;
 }
 
+// An upside-down street is a street under a low roof: nothing goes far above.
 double UpEvidence::ScoreGround(const Eigen::Vector3d& up_in_world, double enu_per_world) const {
   if (problem_.sights_in_world.empty()) {
     return 0.0;
   }
-  int64_t num_far_below = 0;
+  int64_t num_far_below = 0, num_far_above = 0, num_roof = 0;
   for (const Eigen::Vector3d& sight : problem_.sights_in_world) {
     const double up = sight.dot(up_in_world);
-    num_far_below += enu_per_world * up < -kFarBelowM && up < -kSteepSine * sight.norm();
+    if (std::abs(up) > kSteepSine * sight.norm()) {
+      num_far_below += enu_per_world * up < -kFarM;
+      num_far_above += enu_per_world * up > kFarM;
+      num_roof += up > 0.0 && enu_per_world * up < kFarM;
+    }
   }
-  const double share =
-      static_cast<double>(num_far_below) / static_cast<double>(problem_.sights_in_world.size());
-  return std::log(kHighSessionShare) *
-         std::clamp((share - kFewFarBelow) / (kManyFarBelow - kFewFarBelow), 0.0, 1.0);
+  const auto has = [&](int64_t count) {
+    const double share = static_cast<double>(count) / problem_.sights_in_world.size();
+    return std::clamp((share - kFewFar) / (kManyFar - kFewFar), 0.0, 1.0);
+  };
+  const double is_high = has(num_far_below);
+  const double has_roof = has(num_roof) * (1.0 - has(num_far_above));
+  return is_high * (std::log(kHighSessionShare) + has_roof * std::log(kLowRoofShare));
 }
 
 double UpEvidence::ScoreFlight(double enu_per_world) const {
-  const bool is_low =
-      median_sight_in_world_ > 0.0 && enu_per_world * median_sight_in_world_ < kLeastFlightM;
-  return is_low ? std::log(kLowFlightShare) : 0.0;
+  if (problem_.sights_in_world.empty()) {
+    return std::log(kUnseenFlightShare);
+  }
+  const bool films_floor = enu_per_world * far_sight_in_world_ < kLargestFloorM;
+  const bool flies = enu_per_world * near_sight_in_world_ > kLeastFlightM;
+  return films_floor || flies ? 0.0 : std::log(kLowFlightShare);
 }
 
 UpScore UpEvidence::Score(const Eigen::Vector3d& up_in_world) const {
   std::vector<Densities> densities;
-  bool has_stated = false;
   const double shared_pitch = SharedPitch(up_in_world);
   for (const UpView& view : problem_.views) {
     densities.push_back(DensitiesOf(view, up_in_world, shared_pitch));
-    has_stated = has_stated || view.stated;
   }
   UpScore score;
-  score.cameras = ScoreHolds(densities, /*with_stated=*/false, &score.shares);
-  if (has_stated) {
-    score.stated = ScoreHolds(densities, /*with_stated=*/true, &score.shares) - score.cameras;
+  score.cameras = ScoreHolds(densities, &score.shares);
+  if (has_stated_) {
+    ScoreStatements(std::move(densities), &score);
   }
   double enu_per_world = 0.0;
   score.positions = ScorePositions(up_in_world, &enu_per_world);
   // Cameras that look straight down hang high, and share no pitch.
   const double share_ahead = 1.0 - score.shares[static_cast<size_t>(PictureUp::kBack)];
-  const double pitch_sigmas = shared_pitch / kSharedPitchSigma;
-  score.cameras -= share_ahead * 0.5 * pitch_sigmas * pitch_sigmas;
+  const auto like = [&](double sigma) {
+    const double sigmas = shared_pitch / sigma;
+    return std::exp(-0.5 * sigmas * sigmas);
+  };
+  const double steep_share = shared_pitch < 0.0 ? kSteepDownShare : kSteepUpShare;
+  score.cameras += share_ahead * std::log((1.0 - steep_share) * like(kSharedPitchSigma) +
+                                          steep_share * like(kSteepPitchSigma));
   score.ground = share_ahead * ScoreGround(up_in_world, enu_per_world) +
                  (1.0 - share_ahead) * ScoreFlight(enu_per_world);
   return score;
 }
 
 PictureUp UpEvidence::HoldOf(const UpView& view, const Eigen::Vector3d& up_in_world,
-                             const HoldShares& shares) const {
+                             const UpScore& score) const {
   const Densities densities = DensitiesOf(view, up_in_world, SharedPitch(up_in_world));
   PictureUp best = PictureUp::kTop;
   double best_weight = -1.0;
   for (const PictureUp up : kPictureUps) {
     const size_t hold = static_cast<size_t>(up);
-    const double weight = HoldWeight(view, hold, true, shares) * densities[hold];
+    const double said = score.heeds_statements ? StatementLikelihood(view, hold) : 1.0;
+    const double weight = score.shares[hold] * said * densities[hold];
     if (weight > best_weight) {
       best = up;
       best_weight = weight;

@@ -17,8 +17,8 @@ namespace cairn {
 
 struct UpView {
   Eigen::Quaterniond cam_from_world = Eigen::Quaterniond::Identity();
-  std::optional<PictureUp> stated;           // By the EXIF or the user.
-  double trust = 0.0;                        // Probability that `stated` was measured, not made up.
+  std::optional<PictureUp> stated;  // By the EXIF or the user.
+  double trust = 0.0;  // Probability that `stated` is right if a sensor or a user stated it.
   std::optional<Eigen::Vector3d> up_in_cam;  // Measured by an accelerometer; a unit vector.
 };
 
@@ -26,7 +26,8 @@ struct UpProblem {
   std::vector<UpView> views;
   std::vector<SimilarityProblem::Position> positions;
   std::vector<Eigen::Vector3d> sights_in_world;  // From a camera to a landmark that it sees.
-  double roll_sigma_rad = 0.1;  // Of a camera that is held in one of the ways of PictureUp.
+  double trust_in_statements = 1.0;  // Probability that a sensor or a user made those of the views.
+  double roll_sigma_rad = 0.1;       // Of a camera that is held in one of the ways of PictureUp.
 };
 
 // How often each way of PictureUp occurs in a session, and at last how often none does.
@@ -35,10 +36,11 @@ using HoldShares = std::array<double, kPictureUps.size() + 1>;
 // Logarithms of likelihoods.
 struct UpScore {
   double cameras = 0.0;    // Rolls and pitches, with the prior of the ways in which people hold.
-  double stated = 0.0;     // What EXIF, user and accelerometers add to that.
-  double positions = 0.0;  // Fit of a similarity with this up to the known positions.
+  double stated = 0.0;     // What EXIF and user add to that.
+  double positions = 0.0;  // Fit of a similarity with this up to the positions, and its slope.
   double ground = 0.0;     // A camera near the ground sees nothing far below.
   HoldShares shares = {};
+  bool heeds_statements = false;  // Rather than holding that those of the session say nothing.
 
   double Total() const { return cameras + stated + positions + ground; }
 };
@@ -51,7 +53,7 @@ class UpEvidence {
 
   // The likeliest way in which a camera was held.
   PictureUp HoldOf(const UpView& view, const Eigen::Vector3d& up_in_world,
-                   const HoldShares& shares) const;
+                   const UpScore& score) const;
 
   // A similarity to the known positions, for directions to start from. It may be turned about the
   // line of a straight walk.
@@ -64,12 +66,13 @@ class UpEvidence {
   using Densities = std::array<double, kPictureUps.size() + 1>;
 
   void PreparePositions();
+  void PrepareStatements();
   // The sine of the pitch that most photos share.
   double SharedPitch(const Eigen::Vector3d& up_in_world) const;
   Densities DensitiesOf(const UpView& view, const Eigen::Vector3d& up_in_world,
                         double shared_pitch) const;
-  double ScoreHolds(const std::vector<Densities>& densities, bool with_stated,
-                    HoldShares* shares) const;
+  static double ScoreHolds(const std::vector<Densities>& densities, HoldShares* shares);
+  void ScoreStatements(std::vector<Densities> densities, UpScore* score) const;
   double ScorePositions(const Eigen::Vector3d& up_in_world, double* enu_per_world) const;
   double ScoreGround(const Eigen::Vector3d& up_in_world, double enu_per_world) const;
   double ScoreFlight(double enu_per_world) const;
@@ -78,7 +81,11 @@ class UpEvidence {
   std::vector<double> weights_;  // Of the positions: small for outliers.
   Sim3d loose_enu_from_world_;
   Eigen::Vector3d line_in_world_ = Eigen::Vector3d::UnitX();
-  double median_sight_in_world_ = 0.0;
+  bool has_stated_ = false;
+  // Probabilities of what the session states if it was made up, and if all cameras look down.
+  double made_up_ = 1.0, said_from_above_ = 1.0;
+  // Lengths of which a tenth of the sights are shorter, and longer.
+  double near_sight_in_world_ = 0.0, far_sight_in_world_ = 0.0;
 };
 
 }  // namespace cairn
