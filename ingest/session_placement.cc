@@ -141,7 +141,8 @@ std::string WhyNotAnchored(const MapComparison& comparison) {
 
 void RequireAnchored(const MapComparison& comparison, const AgreementOptions& options,
                      const std::string& newcomer) {
-  if (!IsOnKnownGround(comparison, options) ||
+  const bool may_stand_alone = options.unanchored == Unanchored::kRefuse;
+  if ((may_stand_alone && !IsOnKnownGround(comparison, options)) ||
       (IsAnchored(comparison.anchoring) && IsJudged(comparison))) {
     return;
   }
@@ -221,9 +222,14 @@ MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& o
   if (!IsSure(comparison) || IsFromBehind(comparison) || !(accuracy.session_m > 0.0)) {
     return limits;
   }
-  const double off_m =
-      kMaxSigmas / kRadius68PerSigma2d * std::hypot(accuracy.session_m, accuracy.map_m);
-  const double turned_rad = std::min(kMaxTurnedRad, off_m / std::max(1.0, comparison.spread_m));
+  constexpr double kSigmas = kMaxSigmas / kRadius68PerSigma2d;
+  const double off_m = kSigmas * std::hypot(accuracy.session_m, accuracy.map_m);
+  const double spread_m = std::max(1.0, comparison.spread_m);
+  const double map_spread_m =
+      comparison.map_spread_m > 0.0 ? std::max(1.0, comparison.map_spread_m) : spread_m;
+  const double turned_rad =
+      std::min(kMaxTurnedRad,
+               kSigmas * std::hypot(accuracy.session_m / spread_m, accuracy.map_m / map_spread_m));
   limits.follow_accuracy = off_m > limits.moved_m;
   limits.moved_m = std::max(limits.moved_m, off_m);
   limits.turned_rad = std::max(limits.turned_rad, turned_rad);
@@ -235,7 +241,7 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& o
                       const PositionAccuracies& accuracy, const std::string& newcomer) {
   RequireRecognized(comparison, options, newcomer);
   RequireOneMotion(comparison, options, newcomer);
-  if (options.unanchored == Unanchored::kRefuse) {
+  if (options.unanchored != Unanchored::kAccept) {
     RequireAnchored(comparison, options, newcomer);
   }
   if (IsJudged(comparison)) {

@@ -36,7 +36,8 @@ struct MotionLimits {
 // Returns the limits of the options. If at least five photos and four in five of the recognized
 // ones agree within 0.3 m, the motion is sure, and the limits grow to what positions of this
 // accuracy exceed once in 300 times: 3.4 standard deviations of an axis. Errors of positions turn
-// and resize a session by the error over its spread.
+// and resize a session by the error over its spread, and the map likewise by that of the session
+// that placed it there.
 MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& options,
                       const PositionAccuracies& accuracy);
 

@@ -35,6 +35,27 @@ constexpr double kSoughtAccuracyM = 50.0;
 // photos do not count.
 constexpr double kSureConfidence = 0.9;
 
+double SpreadOf(const std::vector<Eigen::Vector3d>& centers) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& center : centers) {
+    middle += center;
+  }
+  middle /= static_cast<double>(std::max<size_t>(1, centers.size()));
+  double sum_sq_m = 0.0;
+  for (const Eigen::Vector3d& center : centers) {
+    sum_sq_m += (center - middle).squaredNorm();
+  }
+  return std::sqrt(sum_sq_m);
+}
+
+std::vector<Eigen::Vector3d> CentersOf(const PlacedSession& session) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const Rigid3d& cam_from_ecef : session.cam_from_ecef) {
+    centers.push_back(cam_from_ecef.Inverse().translation);
+  }
+  return centers;
+}
+
 // The photos of the map, by tile; loads a tile when it is asked for first.
 class KnownViews {
  public:
@@ -52,8 +73,15 @@ class KnownViews {
     });
   }
 
-  // The sessions of the photos that were loaded.
-  std::vector<SessionId> Sessions() const { return {sessions_.begin(), sessions_.end()}; }
+  // Fills in the sessions of the photos that were loaded, and the spread of the earliest.
+  void Describe(MapComparison* comparison) const {
+    comparison->known_sessions.clear();
+    for (const auto& [session, centers] : centers_of_session_) {
+      comparison->known_sessions.push_back(session);
+    }
+    comparison->map_spread_m =
+        centers_of_session_.empty() ? 0.0 : SpreadOf(centers_of_session_.begin()->second);
+  }
 
  private:
   struct View {
@@ -72,7 +100,7 @@ class KnownViews {
       const Rigid3d ecef_from_tile = EcefFromEnu(tile_id.Anchor());
       for (const TileKeyframe& keyframe : tile.keyframes) {
         entry->second.push_back(ViewOf(ecef_from_tile * keyframe.cam_from_tile.Inverse()));
-        sessions_.insert(keyframe.session_id);
+        centers_of_session_[keyframe.session_id].push_back(entry->second.back().center_in_ecef);
       }
     }
     return entry->second;
@@ -80,7 +108,7 @@ class KnownViews {
 
   const MapSnapshot& map_;
   std::map<TileId, std::vector<View>> views_of_tile_;
-  std::set<SessionId> sessions_;
+  std::map<SessionId, std::vector<Eigen::Vector3d>> centers_of_session_;
 };
 
 std::vector<int> EvenlyOf(const std::vector<int>& all, int count) {
@@ -146,21 +174,6 @@ bool IsFromBehind(const LocalizeResult& result) {
       result.matches.begin(), result.matches.end(),
       [](const LocalizeMatch& match) { return match.traits.azimuth_rad > 0.5 * kPi; });
   return 2 * num_behind > static_cast<int64_t>(result.matches.size());
-}
-
-double SpreadOf(const PlacedSession& session) {
-  std::vector<Eigen::Vector3d> centers;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Rigid3d& cam_from_ecef : session.cam_from_ecef) {
-    centers.push_back(cam_from_ecef.Inverse().translation);
-    middle += centers.back();
-  }
-  middle /= static_cast<double>(std::max<size_t>(1, centers.size()));
-  double sum_sq_m = 0.0;
-  for (const Eigen::Vector3d& center : centers) {
-    sum_sq_m += (center - middle).squaredNorm();
-  }
-  return std::sqrt(sum_sq_m);
 }
 
 // The residuals of the fit after the bending: what each photo tells that the others do not.
@@ -328,7 +341,7 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
                              const MapStore& store, const MapSnapshot& map,
                              const ComparisonOptions& options) {
   MapComparison comparison;
-  comparison.spread_m = SpreadOf(session);
+  comparison.spread_m = SpreadOf(CentersOf(session));
   comparison.anchoring.session = {static_cast<int>(session.cam_from_ecef.size()),
                                   CountPlaces(session.cam_from_ecef, 2 * kIslandPlaces),
                                   ExtentM(session.cam_from_ecef)};
@@ -336,7 +349,7 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
   const PhotosToAsk photos = ChooseAmong(session, map, &known);
   comparison.num_expected = static_cast<int>(photos.expected.size());
   if (photos.expected.empty() && photos.sought.empty()) {
-    comparison.known_sessions = known.Sessions();
+    known.Describe(&comparison);
     return comparison;
   }
   MapInquiry inquiry(reconstruction, session, store, map, options);
@@ -354,7 +367,7 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
     comparison.num_found += inquiry.Ask(half, kSoughtAccuracyM, kSureConfidence);
     inquiry.Fit(&known, &comparison);
   }
-  comparison.known_sessions = known.Sessions();
+  known.Describe(&comparison);
   return comparison;
 }
 

@@ -42,6 +42,9 @@ struct MapComparison {
   // Root of the sum of squared distances of the session's cameras from their middle, meters: an
   // error of the positions turns the session by this error over the spread.
   double spread_m = 0.0;
+  // The same of the keyframes of the earliest of `known_sessions`, which tells the size of the map
+  // there: later ones followed it. 0 without such a session.
+  double map_spread_m = 0.0;
   std::vector<SessionId> known_sessions;  // With keyframes in the tiles of the session; ascending.
 
   int num_asked() const { return num_expected + num_sought; }

@@ -1,0 +1,49 @@
+// How far a session may move, turn and grow to follow the map.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/radius68.h"
+#include "ingest/session_placement.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kSigmas = 3.4 / kRadius68PerSigma2d;
+
+// 24 photos that agree.
+MapComparison SureComparison(double spread_m, double map_spread_m) {
+  MapComparison comparison;
+  comparison.num_expected = comparison.num_localized = comparison.fit.num_agreeing = 24;
+  comparison.fit.median_residual_m = 0.05;
+  comparison.spread_m = spread_m;
+  comparison.map_spread_m = map_spread_m;
+  return comparison;
+}
+
+TEST(LimitsOf, SizeAndTurnFollowTheSpreadsOfBothSides) {
+  const MotionLimits limits =
+      LimitsOf(SureComparison(57.0, 30.0), AgreementOptions(), {.session_m = 3.0, .map_m = 3.0});
+  EXPECT_NEAR(limits.scale_change, kSigmas * std::hypot(3.0 / 57.0, 3.0 / 30.0), 1e-12);
+  EXPECT_EQ(limits.turned_rad, limits.scale_change);
+  EXPECT_NEAR(limits.moved_m, kSigmas * std::hypot(3.0, 3.0), 1e-12);
+}
+
+// Eight positions over ten meters, accurate to 3 m, may be a fifth too far apart.
+TEST(LimitsOf, AMapOfAShortWalkLeavesTheSizeOpenToALongOne) {
+  const PositionAccuracies accuracy = {.session_m = 3.0, .map_m = 3.0};
+  EXPECT_GT(LimitsOf(SureComparison(57.0, 10.0), AgreementOptions(), accuracy).scale_change, 0.2);
+  EXPECT_LT(LimitsOf(SureComparison(57.0, 57.0), AgreementOptions(), accuracy).scale_change, 0.17);
+  EXPECT_EQ(LimitsOf(SureComparison(57.0, 1.0), AgreementOptions(), accuracy).scale_change, 0.5);
+}
+
+TEST(LimitsOf, AccurateSessionsKeepTheLimitsOfTheOptions) {
+  const MotionLimits limits =
+      LimitsOf(SureComparison(57.0, 57.0), AgreementOptions(), {.session_m = 0.1, .map_m = 0.1});
+  EXPECT_EQ(limits.moved_m, AgreementOptions().max_moved_m);
+  EXPECT_EQ(limits.scale_change, AgreementOptions().max_scale_change);
+  EXPECT_FALSE(limits.follow_accuracy);
+}
+
+}  // namespace
+}  // namespace cairn
