@@ -1,4 +1,7 @@
-// `cairn map`: folders of photos become a session of a map.
+// `cairn map`: folders of photos become sessions of a map.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,7 +18,9 @@
 #include "cli/options_file.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
+#include "core/error.h"
 #include "core/parallel_for.h"
+#include "core/printable.h"
 
 namespace cairn {
 namespace {
@@ -24,31 +29,80 @@ struct MapArguments : MapSessionArguments {
   std::vector<std::string> cameras;  // As of ParseCamera.
 };
 
-void PrintMapped(const MapArguments& arguments, const MapSessionResult& result) {
-  const std::string& name = result.session.options.session_name;
-  if (arguments.session.json) {
-    const nlohmann::ordered_json summary = {
-        {"photos", MappedPhotosJson(result.mapped)},
-        {"ingest", IngestJson(name, result.session.georegistration, result.report)}};
-    cairn::PrintJson(summary);  // Not the one of another verb in this namespace.
+nlohmann::ordered_json MappedJson(const MapSessionResult& result) {
+  nlohmann::ordered_json json;
+  if (result.is_mapped) {
+    json["photos"] = MappedPhotosJson(result.mapped);
+  }
+  if (result.is_in_map) {
+    json["ingest"] = IngestJson(result.name, result.session.georegistration, result.report);
+  } else {
+    json["notInMap"] = {{"session", result.name}, {"problem", result.problem}};
+  }
+  return json;
+}
+
+void PrintMapped(const MapSessionResult& result) {
+  if (result.is_mapped) {
+    PrintMappedPhotos(result.mapped);
+  }
+  if (result.is_in_map) {
+    PrintIngestText(result.name, result.session.georegistration, result.report);
+  } else {
+    fmt::print("session          {}\nnot in the map   {}\n", Excerpt(result.name), result.problem);
+  }
+}
+
+void PrintResults(const std::vector<MapSessionResult>& results, bool as_json) {
+  if (as_json && results.size() == 1) {
+    cairn::PrintJson(
+        MappedJson(results.front()));  // Not the one of another verb in this namespace.
     return;
   }
-  PrintMappedPhotos(result.mapped);
-  PrintIngestText(name, result.session.georegistration, result.report);
+  nlohmann::ordered_json json;
+  for (const MapSessionResult& result : results) {
+    if (as_json) {
+      json["sessions"].push_back(MappedJson(result));
+      continue;
+    }
+    PrintMapped(result);
+    fmt::print("{}", &result == &results.back() ? "" : "\n");
+  }
+  if (as_json) {
+    cairn::PrintJson(json);
+  }
+}
+
+// Programs have to see that not all became part of the map.
+void RequireAllInMap(const std::vector<MapSessionResult>& results) {
+  std::vector<std::string> missing;
+  ErrorCode code = ErrorCode::kBadInput;
+  for (const MapSessionResult& result : results) {
+    if (!result.is_in_map) {
+      missing.push_back(Excerpt(result.name));
+      code = result.is_mapped ? ErrorCode::kConflict : code;
+    }
+  }
+  if (!missing.empty()) {
+    throw Error(code, fmt::format("{} of {} sessions are not in the map: {}; the summary says why. "
+                                  "The map has the others",
+                                  missing.size(), results.size(), fmt::join(missing, ", ")));
+  }
 }
 
 ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
   for (const std::string& camera : arguments.cameras) {
     arguments.input.cameras.push_back(ParseCamera("--camera", camera));
   }
-  MapSessionResult result;
+  std::vector<MapSessionResult> results;
   {
     Progress progress(progress_mode);
-    result = MakeMapSession(arguments, [&](const char* phase, int64_t done, int64_t total) {
+    results = MakeMapSessions(arguments, [&](const char* phase, int64_t done, int64_t total) {
       progress.Update(phase, done, total);
     });
   }
-  PrintMapped(arguments, result);
+  PrintResults(results, arguments.session.json);
+  RequireAllInMap(results);
   return ExitCode::kOk;
 }
 
@@ -91,8 +145,9 @@ void AddSessionOptions(CLI::App* command, MapArguments* arguments) {
   AddUpOption(command, &arguments->session.options);
   command
       ->add_option("--session", options.session_name,
-                   "Name of the session. Replaces an existing session of that name. Default: that "
-                   "of the folder, which replaces only a session of the same photos")
+                   "Name of the session, which replaces an existing session of that name; several "
+                   "folders are one session then. Default: each folder is a session of its name, "
+                   "which replaces only a session of the same photos")
       ->type_name("NAME");
   command
       ->add_option("--recorded", options.recorded_at,
@@ -130,7 +185,10 @@ void AddMapCommand(CLI::App* app, Shell* shell) {
   AddOptionsFile(command, &arguments->session.options);
   AddInputOptions(command, arguments.get());
   AddSessionOptions(command, arguments.get());
-  command->footer("Example:\n  cairn map town.gpkg photos/ --session monday");
+  command->footer(
+      "Examples:\n"
+      "  cairn map town.gpkg photos/ --session monday\n"
+      "  cairn map town.gpkg tuesday/ wednesday/");
   command->callback([shell, arguments] {
     shell->run = [shell, arguments] { return RunMap(*arguments, shell->progress_mode); };
   });

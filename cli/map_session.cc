@@ -9,17 +9,19 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "cli/ingest_placed.h"
+#include "cli/map_report.h"
 #include "cli/session_archive.h"
 #include "cli/session_replacement.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/replace_file.h"
 #include "ingest/maps/archive_folder.h"
-#include "mapping/session/report_svg.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -37,41 +39,83 @@ std::optional<MapStore> OpenMapIfThere(const std::string& path) {
   }
 }
 
-// A name that replaces nothing by accident is that of the folder; of several, the first by
-// alphabet, so that their order in the command does not matter.
-std::string SessionName(const MapSessionArguments& arguments) {
-  const IngestOptions& options = arguments.session.options.ingest;
-  if (!options.session_name.empty()) {
-    return options.session_name;
-  }
-  const std::vector<std::string>& paths = arguments.input.paths;
-  const std::filesystem::path path =
-      std::filesystem::absolute(*std::min_element(paths.begin(), paths.end())).lexically_normal();
+std::string FolderName(const std::string& folder) {
+  const std::filesystem::path path = std::filesystem::absolute(folder).lexically_normal();
   const std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
   return name.empty() ? "session" : name;
 }
 
-// Whether the map has sessions, other than one that is replaced, that the new one may join.
-bool HasOthersToJoin(const std::optional<MapStore>& map, const MapSessionArguments& arguments) {
+// A name that replaces nothing by accident is that of the folder; of several, the first by
+// alphabet, so that their order in the command does not matter.
+std::string SessionName(const MapSessionArguments& arguments) {
+  const IngestOptions& options = arguments.session.options.ingest;
+  const std::vector<std::string>& paths = arguments.input.paths;
+  return options.session_name.empty() ? FolderName(*std::min_element(paths.begin(), paths.end()))
+                                      : options.session_name;
+}
+
+// One session of the command.
+struct SessionInput {
+  std::string name;
+  MapPhotosInput photos;
+};
+
+std::vector<SessionInput> InputsOfFolders(const MapSessionArguments& arguments) {
+  std::vector<SessionInput> inputs;
+  for (const std::string& path : arguments.input.paths) {
+    SessionInput input = {FolderName(path), arguments.input};
+    if (std::any_of(inputs.begin(), inputs.end(),
+                    [&](const SessionInput& other) { return other.name == input.name; })) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("two folders have the name {}, and each would be a session of its "
+                              "name; rename one, or make all one session with --session",
+                              Printable(input.name)));
+    }
+    input.photos.paths = {path};
+    input.photos.table_paths = arguments.input.paths;
+    if (!input.photos.work_dir.empty()) {
+      input.photos.work_dir += "/" + input.name;
+    }
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+// Each folder if there are several, and no name was given.
+std::vector<SessionInput> SessionInputs(const MapSessionArguments& arguments) {
+  const std::vector<std::string>& paths = arguments.input.paths;
+  std::error_code ignored;
+  const bool are_folders = std::all_of(paths.begin(), paths.end(), [&](const std::string& path) {
+    return std::filesystem::is_directory(path, ignored);
+  });
+  if (paths.size() > 1 && are_folders && !HasSessionName(arguments.session)) {
+    return InputsOfFolders(arguments);
+  }
+  return {{SessionName(arguments), arguments.input}};
+}
+
+// Whether the map has sessions, other than one that is replaced, that a new one may join.
+bool HasOthersToJoin(const std::optional<MapStore>& map, const MapSessionArguments& arguments,
+                     const std::string& name) {
   if (!map || arguments.session.apart) {
     return false;
   }
   const std::vector<SessionRecord> sessions = map->Snapshot().Sessions();
-  const std::string name = SessionName(arguments);
   return std::any_of(sessions.begin(), sessions.end(),
                      [&](const SessionRecord& session) { return session.name != name; });
 }
 
 // Moves the model out of `mapped`.
-PlacedReconstruction SessionOf(const MapSessionArguments& arguments, MappedPhotos* mapped) {
+PlacedReconstruction SessionOf(const MapSessionArguments& arguments, const SessionInput& input,
+                               MappedPhotos* mapped) {
   PlacedReconstruction session;
   session.reconstruction = std::move(mapped->model);
   session.georegistration = mapped->georegistration;
   session.georegistration.ecef_from_world = mapped->ecef_from_world;
   session.options = arguments.session.options.ingest;
   IngestOptions& options = session.options;
-  options.session_name = SessionName(arguments);
-  options.source = arguments.input.paths.front();
+  options.session_name = input.name;
+  options.source = input.photos.paths.front();
   options.joining = arguments.session.apart ? SessionJoining::kApart : SessionJoining::kJoin;
   if (!arguments.session.apart) {
     options.agreement.unanchored = Unanchored::kRefuse;
@@ -92,24 +136,56 @@ PlacedReconstruction SessionOf(const MapSessionArguments& arguments, MappedPhoto
   return session;
 }
 
-// Publishes the session in the map, which is made if there is none yet: then there is all of it or
-// nothing.
-IngestReport Publish(const MapSessionArguments& arguments, const PlacedReconstruction& session,
-                     std::optional<MapStore>* map, const IngestProgress& progress) {
-  const std::string& path = arguments.session.map_path;
-  IngestReport report;
-  const auto publish = [&](MapStore* store) {
-    CheckReplacement(store->Snapshot(), session, HasSessionName(arguments.session));
-    const std::unique_ptr<SessionArchive> archive =
-        OpenSessionArchive(arguments.archive_path, session.options.session_name, *store);
-    report = IngestPlaced(session, arguments.session.options, archive.get(), progress, store);
-  };
-  if (*map) {
-    publish(&**map);
-  } else {
-    MapStore::CreateFilled(path, publish);
+// The progress of one of several sessions: its name stands before the phase.
+IngestProgress ForSession(const IngestProgress& progress, const std::string& name,
+                          size_t num_sessions) {
+  if (num_sessions == 1 || !progress) {
+    return progress;
   }
-  return report;
+  return [&progress, name](const char* phase, int64_t done, int64_t total) {
+    progress((Excerpt(name) + " " + phase).c_str(), done, total);
+  };
+}
+
+// Names the sessions that the map has from a command that fails.
+[[noreturn]] void ThrowWithWhatStands(const Error& error,
+                                      const std::vector<MapSessionResult>& sessions) {
+  std::string names;
+  for (const MapSessionResult& session : sessions) {
+    if (session.is_in_map) {
+      names += (names.empty() ? "" : ", ") + Excerpt(session.name);
+    }
+  }
+  throw Error(error.code(),
+              names.empty()
+                  ? error.what()
+                  : fmt::format("{}. The map has these sessions already: {}", error.what(), names));
+}
+
+// Publishes the sessions in the map, which is made if there is none yet: then there is all of it or
+// nothing.
+void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
+             const IngestProgress& progress, std::vector<MapSessionResult>* sessions) {
+  const auto publish = [&](MapStore* store) {
+    const auto publish_one = [&](const PlacedReconstruction& session) {
+      CheckReplacement(store->Snapshot(), session, HasSessionName(arguments.session));
+      const std::unique_ptr<SessionArchive> archive =
+          OpenSessionArchive(arguments.archive_path, session.options.session_name, *store);
+      return IngestPlaced(session, arguments.session.options, archive.get(),
+                          ForSession(progress, session.options.session_name, sessions->size()),
+                          store);
+    };
+    PublishInTurn(publish_one, store->Snapshot().Sessions().empty(), sessions);
+  };
+  if (!*map) {
+    MapStore::CreateFilled(arguments.session.map_path, publish);
+    return;
+  }
+  try {
+    publish(&**map);
+  } catch (const Error& error) {
+    ThrowWithWhatStands(error, *sessions);
+  }
 }
 
 // Throws Error(kIo) unless the map, a file that does not exist, can be made.
@@ -127,10 +203,13 @@ void RequireFolderOf(const std::string& map_path) {
 }
 
 // Finds before the long work what would refuse its result.
-void CheckEarly(const MapSessionArguments& arguments, bool has_map) {
-  IngestOptions options = arguments.session.options.ingest;
-  options.session_name = SessionName(arguments);
-  options.Validate();
+void CheckEarly(const MapSessionArguments& arguments, const std::vector<SessionInput>& inputs,
+                bool has_map) {
+  for (const SessionInput& input : inputs) {
+    IngestOptions options = arguments.session.options.ingest;
+    options.session_name = input.name;
+    options.Validate();
+  }
   if (!has_map) {
     RequireFolderOf(arguments.session.map_path);
   }
@@ -139,30 +218,81 @@ void CheckEarly(const MapSessionArguments& arguments, bool has_map) {
   }
 }
 
-// Before the publication, so that a session that is refused has its picture, too.
-void WriteReport(const std::string& work_dir, const MappedPhotos& mapped) {
+// Before the publication, too, so that a session that is refused has its picture.
+void WriteReport(const std::string& work_dir, const std::vector<MapSessionResult>& sessions) {
   if (!work_dir.empty()) {
-    const std::string svg = ReportSvg(mapped);
+    const Drawing drawing = DrawMapReport(sessions);
+    const std::string svg = drawing.ToSvg();
     ReplaceFile(work_dir + "/report.svg",
                 {reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
+    ReplaceFile(work_dir + "/report.png", drawing.ToPng());
   }
+}
+
+// Maps one folder and places it by its positions.
+MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionInput& input,
+                           bool one_segment, const IngestProgress& progress) {
+  const CairnOptions& options = arguments.session.options;
+  MapPhotosInput photos = input.photos;
+  photos.num_threads = options.ingest.num_threads;
+  photos.one_segment = one_segment;
+  MapSessionResult result;
+  result.name = input.name;
+  result.mapped = MapPhotos(photos, options.mapping, options.georegister, progress);
+  result.session = SessionOf(arguments, input, &result.mapped);
+  result.is_mapped = true;
+  return result;
+}
+
+// As MapFolder, but what the folder's photos are to blame for is a problem of this session.
+MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
+                              const IngestProgress& progress) {
+  try {
+    return MapFolder(arguments, input, /*one_segment=*/true, progress);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kBadInput) {
+      throw;
+    }
+    MapSessionResult failed;
+    failed.name = input.name;
+    failed.problem = error.what();
+    return failed;
+  }
+}
+
+std::vector<MapSessionResult> MakeSessions(const MapSessionArguments& arguments,
+                                           const std::vector<SessionInput>& inputs,
+                                           const IngestProgress& progress) {
+  // Before the long work, so that a map that cannot be written fails at once.
+  std::optional<MapStore> map = OpenMapIfThere(arguments.session.map_path);
+  CheckEarly(arguments, inputs, map.has_value());
+  std::vector<MapSessionResult> sessions;
+  if (inputs.size() == 1) {
+    const bool joins = HasOthersToJoin(map, arguments, inputs.front().name);
+    sessions.push_back(MapFolder(arguments, inputs.front(), joins, progress));
+  } else {
+    for (const SessionInput& input : inputs) {
+      sessions.push_back(
+          TryMapFolder(arguments, input, ForSession(progress, input.name, inputs.size())));
+    }
+    SortSessions(&sessions);
+  }
+  WriteReport(arguments.input.work_dir, sessions);
+  Publish(arguments, &map, progress, &sessions);
+  WriteReport(arguments.input.work_dir, sessions);
+  return sessions;
 }
 
 }  // namespace
 
 MapSessionResult MakeMapSession(MapSessionArguments arguments, const IngestProgress& progress) {
-  const CairnOptions& options = arguments.session.options;
-  arguments.input.num_threads = options.ingest.num_threads;
-  // Before the long work, so that a map that cannot be written fails at once.
-  std::optional<MapStore> map = OpenMapIfThere(arguments.session.map_path);
-  CheckEarly(arguments, map.has_value());
-  arguments.input.one_segment = HasOthersToJoin(map, arguments);
-  MapSessionResult result;
-  result.mapped = MapPhotos(arguments.input, options.mapping, options.georegister, progress);
-  WriteReport(arguments.input.work_dir, result.mapped);
-  result.session = SessionOf(arguments, &result.mapped);
-  result.report = Publish(arguments, result.session, &map, progress);
-  return result;
+  return std::move(
+      MakeSessions(arguments, {{SessionName(arguments), arguments.input}}, progress).front());
+}
+
+std::vector<MapSessionResult> MakeMapSessions(const MapSessionArguments& arguments,
+                                              const IngestProgress& progress) {
+  return MakeSessions(arguments, SessionInputs(arguments), progress);
 }
 
 }  // namespace cairn

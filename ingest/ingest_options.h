@@ -24,8 +24,9 @@ enum class SessionJoining {
 // What becomes of a session that is not anchored in the map (IsAnchored,
 // ingest/anchor/consistent_frames.h).
 enum class Unanchored {
-  kAccept,  // It is taken as it is if nothing contradicts it.
-  kRefuse,  // It is refused if the map knows the place where it stands.
+  kAccept,        // It is taken as it is if nothing contradicts it.
+  kRefuse,        // It is refused if the map knows the place where it stands.
+  kRefuseAlways,  // It is refused, on new ground, too.
 };
 
 // How closely a session that is anchored in the map follows it.

@@ -12,7 +12,8 @@ constexpr EnumName<ProjectionKind> kProjectionNames[] = {
     {"likelihood_ratio", ProjectionKind::kLikelihoodRatio}};
 
 constexpr EnumName<Unanchored> kUnanchoredNames[] = {{"accept", Unanchored::kAccept},
-                                                     {"refuse", Unanchored::kRefuse}};
+                                                     {"refuse", Unanchored::kRefuse},
+                                                     {"refuse_always", Unanchored::kRefuseAlways}};
 
 constexpr EnumName<SessionFitting> kFittingNames[] = {{"bend", SessionFitting::kBend},
                                                       {"adjust", SessionFitting::kAdjust}};
@@ -82,7 +83,7 @@ void DescribeAgreement(AgreementOptions* options, OptionList* list) {
             "With fewer photos that the map should recognize, min_recognized_share does not count");
   list->Add("unanchored", &options->unanchored, kUnanchoredNames,
             "What becomes of a session that is not anchored in the map: it is taken as it is, or "
-            "refused where the map knows the place, as cairn map does");
+            "refused where the map knows the place, as cairn map does, or refused always");
 }
 
 void DescribeGate(GateOptions* options, OptionList* list) {

@@ -31,6 +31,9 @@ bool IsPhotoName(const fs::path& path) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
+// Without a slash at the end.
+fs::path Named(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
+
 void AddFolder(const fs::path& folder, const std::string& prefix, std::vector<PhotoFile>* files) {
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, error), end;
@@ -56,7 +59,6 @@ std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths) {
   std::vector<PhotoFile> files;
   for (const std::string& given : paths) {
     const fs::path path = fs::path(given).lexically_normal();
-    const fs::path named = path.has_filename() ? path : path.parent_path();
     std::error_code error;
     if (!fs::exists(path, error)) {
       throw Error(ErrorCode::kNotFound,
@@ -66,8 +68,7 @@ std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths) {
       files.push_back({path.filename().string(), path.string()});
       continue;
     }
-    const std::string own = fs::absolute(named).lexically_normal().filename().string();
-    AddFolder(named, paths.size() > 1 ? own + "/" : "", &files);
+    AddFolder(Named(path), paths.size() > 1 ? PrefixOfPhotos(given) : "", &files);
   }
   if (files.empty()) {
     throw Error(ErrorCode::kBadInput,
@@ -86,6 +87,11 @@ std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths) {
                             Excerpt(twice->name)));
   }
   return files;
+}
+
+std::string PrefixOfPhotos(const std::string& folder) {
+  const fs::path named = Named(fs::path(folder).lexically_normal());
+  return fs::absolute(named).lexically_normal().filename().string() + "/";
 }
 
 }  // namespace cairn

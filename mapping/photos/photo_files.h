@@ -19,6 +19,9 @@ struct PhotoFile {
 // is no such file, or if two folders have one name.
 std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths);
 
+// What the names of a folder's photos begin with if there are several paths: "monday/".
+std::string PrefixOfPhotos(const std::string& folder);
+
 }  // namespace cairn
 
 #endif  // CAIRN_MAPPING_PHOTOS_PHOTO_FILES_H_

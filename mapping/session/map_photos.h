@@ -39,7 +39,10 @@ struct MapPhotosInput {
   std::vector<std::string> paths;  // Folders and files.
   std::vector<Camera> cameras;     // Known intrinsics; see GroupCameras.
   std::string positions_path;      // CSV as of ReadCameraPositions; empty: the photos' EXIF.
-  double gps_accuracy_m = 5.0;     // Of EXIF positions that state none: 68 % radius.
+  // All folders whose photos the CSV has; there the names of photos begin with those of the folders
+  // if there are several. Empty: `paths`.
+  std::vector<std::string> table_paths;
+  double gps_accuracy_m = 5.0;  // Of EXIF positions that state none: 68 % radius.
   // Of the heights; unset: sea level for EXIF, the ellipsoid for a CSV.
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.

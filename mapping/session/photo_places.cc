@@ -6,18 +6,40 @@
 
 #include "core/error.h"
 #include "ingest/place/position_checks.h"
+#include "mapping/photos/photo_files.h"
 
 namespace cairn {
 namespace {
 
 constexpr size_t kMinPositions = 3;
 
-std::vector<CameraPosition> PositionsOfTable(const std::string& path, const PhotoSet& set) {
+// The photos of all folders of the table are compared with its names, so that a name that could be
+// of two folders is noticed.
+std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input) {
+  std::vector<std::string> names;
+  for (const PhotoFile& file : FindPhotoFiles(input.table_paths)) {
+    names.push_back(file.name);
+  }
+  const std::string prefix = PrefixOfPhotos(input.paths.front());
+  std::vector<CameraPosition> own;
+  for (CameraPosition& position : ReadPositionsOfPhotos(input.positions_path, names)) {
+    if (position.image_name.starts_with(prefix)) {
+      position.image_name.erase(0, prefix.size());
+      own.push_back(std::move(position));
+    }
+  }
+  return own;
+}
+
+std::vector<CameraPosition> PositionsOfTable(const MapPhotosInput& input, const PhotoSet& set) {
+  if (input.table_paths.size() > 1) {
+    return PositionsOfFolders(input);
+  }
   std::vector<std::string> names;
   for (const MappingPhoto& photo : set.photos) {
     names.push_back(photo.name);
   }
-  return ReadPositionsOfPhotos(path, names);
+  return ReadPositionsOfPhotos(input.positions_path, names);
 }
 
 std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy_m) {
@@ -63,8 +85,8 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
                             std::vector<std::string>* notes) {
   const bool has_table = !input.positions_path.empty();
   PhotoSet& set = folder->set;
-  std::vector<CameraPosition> positions = has_table ? PositionsOfTable(input.positions_path, set)
-                                                    : PositionsOfExif(set, input.gps_accuracy_m);
+  std::vector<CameraPosition> positions =
+      has_table ? PositionsOfTable(input, set) : PositionsOfExif(set, input.gps_accuracy_m);
   RequireEnough(positions.size(), set.photos.size(), has_table);
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
   RequireEnough(positions.size(), set.photos.size(), has_table);  // Without those at 0, 0.
