@@ -1,0 +1,240 @@
+// `cairn map` up to the publication, on folders as people have them: what it corrects or leaves out
+// with a line that says so, and what it refuses with a figure.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/error.h"
+#include "mapping/photo_scene.h"
+#include "mapping/session/map_photos.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::PhotoScene;
+using testing::Shot;
+using testing::Walk;
+
+class BadPhotos : public ::testing::Test {
+ protected:
+  MappedPhotos Map(const std::vector<Shot>& shots) const { return Map(PhotoScene(7), shots); }
+  MappedPhotos Map(const PhotoScene& scene, const std::vector<Shot>& shots) const {
+    testing::WriteFolder(scene, shots, dir_.path() / "photos");
+    return MapFolder();
+  }
+  MappedPhotos MapFolder() const {
+    MapPhotosInput input;
+    input.paths = {dir_.File("photos")};
+    input.num_threads = 2;
+    MappingOptions options;
+    options.sift.max_features = 1000;
+    return MapPhotos(input, options, {});
+  }
+
+  std::string RefusalOf(const std::vector<Shot>& shots) const {
+    try {
+      Map(shots);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+      return error.what();
+    }
+    return "";
+  }
+
+  testing::TempDir dir_;
+};
+
+std::map<std::string, Shot> ByName(const std::vector<Shot>& shots) {
+  std::map<std::string, Shot> by_name;
+  for (const Shot& shot : shots) {
+    by_name[shot.name] = shot;
+  }
+  return by_name;
+}
+
+// The largest distances of cameras from the truth: as the map stands on Earth, and after the
+// similarity that fits best.
+struct CameraErrors {
+  double on_earth_m = 0.0, within_m = 0.0, turned_rad = 0.0;
+};
+
+CameraErrors ErrorsOf(const MappedPhotos& mapped, const std::vector<Shot>& shots) {
+  const std::map<std::string, Shot> truth = ByName(shots);
+  const Rigid3d enu_from_ecef = EcefFromEnu(PhotoScene::Origin()).Inverse();
+  const auto num_images = static_cast<Eigen::Index>(mapped.model.images.size());
+  Eigen::Matrix3Xd found(3, num_images), wanted(3, num_images);
+  CameraErrors errors;
+  for (Eigen::Index i = 0; i < num_images; ++i) {
+    const ReconImage& image = mapped.model.images[static_cast<size_t>(i)];
+    const Rigid3d in_ecef = CamFromTarget(image.cam_from_world, mapped.ecef_from_world);
+    const Rigid3d true_cam = PhotoScene::CamFromEnu(truth.at(image.name));
+    found.col(i) = enu_from_ecef * in_ecef.Inverse().translation;
+    wanted.col(i) = true_cam.Inverse().translation;
+    errors.on_earth_m = std::max(errors.on_earth_m, (found.col(i) - wanted.col(i)).norm());
+    errors.turned_rad = std::max(
+        errors.turned_rad, RotationAngleRad(in_ecef.rotation, (true_cam * enu_from_ecef).rotation));
+  }
+  const Eigen::Matrix4d fit = Eigen::umeyama(found, wanted, true);
+  errors.within_m =
+      (((fit.topLeftCorner<3, 3>() * found).colwise() + fit.topRightCorner<3, 1>()) - wanted)
+          .colwise()
+          .norm()
+          .maxCoeff();
+  return errors;
+}
+
+// Positions along a line leave the pitch of the cameras to what people do with cameras in hands.
+void ExpectRight(const MappedPhotos& mapped, const std::vector<Shot>& shots) {
+  const CameraErrors errors = ErrorsOf(mapped, shots);
+  EXPECT_LT(errors.on_earth_m, 3.0);
+  EXPECT_LT(errors.within_m, 0.1);
+  EXPECT_LT(errors.turned_rad, 0.35);
+}
+
+void ExpectMapped(const MappedPhotos& mapped, int least) {
+  EXPECT_GE(mapped.num_mapped, least);
+  for (const LeftOutPhoto& photo : mapped.left_out) {
+    EXPECT_FALSE(photo.reason.empty()) << photo.name;
+    if (mapped.num_mapped < least) {
+      ADD_FAILURE() << photo.name << ": " << photo.reason;
+    }
+  }
+}
+
+std::string ReasonFor(const MappedPhotos& mapped, const std::string& name) {
+  for (const LeftOutPhoto& photo : mapped.left_out) {
+    if (photo.name == name) {
+      return photo.reason;
+    }
+  }
+  return "";
+}
+
+TEST_F(BadPhotos, GoodOnesAreMapped) {
+  const std::vector<Shot> shots = Walk(9);
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, AHundredMetersOffForSomeAreOutvoted) {
+  std::vector<Shot> shots = Walk(11);
+  shots[3].gps_error_m = {100.0, 0.0, 0.0};
+  shots[8].gps_error_m = {-70.0, -70.0, 0.0};
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 9);
+  EXPECT_EQ(mapped.num_mapped + static_cast<int>(mapped.left_out.size()), 11);
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, PortraitAndLandscapeMixed) {
+  std::vector<Shot> shots = Walk(9);
+  for (size_t i = 0; i < shots.size(); i += 2) {
+    shots[i].roll_rad = 0.5 * kPi;
+    shots[i].exif.orientation = 6;
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, ZoomedAndOfSeveralCameras) {
+  std::vector<Shot> shots = Walk(10);
+  for (size_t i = 1; i < shots.size(); i += 3) {
+    shots[i].focal_px *= 1.5;
+  }
+  shots[2].width_px = shots[5].width_px = shots[6].width_px = 240;
+  const MappedPhotos mapped = Map(shots);
+  EXPECT_GE(mapped.cameras.size(), 3u);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+// A program reduced some photos and kept their EXIF.
+TEST_F(BadPhotos, EditedSize) {
+  std::vector<Shot> shots = Walk(9);
+  for (size_t i = 1; i < shots.size(); i += 2) {
+    shots[i].width_px = 240;
+    shots[i].height_px = 180;
+    shots[i].focal_px *= 0.75;
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, BlurredAndBlankOnesAreLeftOutWithAReason) {
+  std::vector<Shot> shots = Walk(9);
+  shots[4].blur_px = 40.0;
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 8);
+  EXPECT_THAT(ReasonFor(mapped, shots[4].name), HasSubstr("blurred"));
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, NightAndDay) {
+  std::vector<Shot> shots = Walk(9);
+  for (size_t i = 0; i < shots.size(); i += 3) {
+    shots[i].gain = 0.25;
+    shots[i].noise = 4.0;
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 6);
+  ExpectRight(mapped, shots);
+}
+
+// Each has a place of its own.
+TEST_F(BadPhotos, OfTwoPlacesBecomeTwoPlacedParts) {
+  std::vector<Shot> shots = Walk(7);
+  std::vector<Shot> others = Walk(6, 300.0);
+  for (Shot& shot : others) {
+    shot.name = "other" + shot.name;
+  }
+  testing::WriteFolder(PhotoScene(8, 1.5, 300.0), others, dir_.path() / "photos");
+  const MappedPhotos mapped = Map(shots);
+  shots.insert(shots.end(), others.begin(), others.end());
+  ExpectMapped(mapped, 13);
+  EXPECT_EQ(mapped.segments.size(), 2u);
+  EXPECT_LT(ErrorsOf(mapped, shots).on_earth_m, 5.0);
+}
+
+TEST_F(BadPhotos, TurningOnTheSpotIsRefused) {
+  std::vector<Shot> shots = Walk(9);
+  for (size_t i = 0; i < shots.size(); ++i) {
+    shots[i].x_in_enu = {0.0, 0.0, 1.6};
+    shots[i].yaw_rad = 0.1 * (static_cast<double>(i) - 4.0);
+  }
+  EXPECT_THAT(RefusalOf(shots), HasSubstr("turning on the spot"));
+}
+
+TEST_F(BadPhotos, ATurnWithinAWalkHarmsNothing) {
+  std::vector<Shot> shots = Walk(8);
+  for (int i = 0; i < 4; ++i) {
+    Shot turn = shots[3];
+    turn.name = "turn" + std::to_string(i) + ".png";
+    turn.yaw_rad = 0.1 + 0.1 * i;
+    shots.push_back(turn);
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 8);
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, MostWithoutGps) {
+  std::vector<Shot> shots = Walk(10);
+  for (size_t i = 0; i < shots.size(); ++i) {
+    shots[i].has_gps = i % 3 == 0;
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 10);
+  EXPECT_THAT(mapped.notes, ::testing::Contains(HasSubstr("6 of 10 photos have no position")));
+  ExpectRight(mapped, shots);
+}
+
+}  // namespace
+}  // namespace cairn
