@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "core/geodesy.h"
 #include "core/printable.h"
-#include "ingest/scratch_map.h"
+#include "engine/tiles/map_tiles.h"
 #include "ingest/session_placement.h"
-#include "ingest/write_tile.h"
 
 namespace cairn {
 namespace {
@@ -18,8 +18,7 @@ namespace {
 // The engine searches 50 m around a keyframe.
 constexpr double kSearchReachM = 60.0;
 
-std::vector<Eigen::Vector3d> PlacesOfPhotos(const SessionPlan& plan,
-                                            const std::function<BuiltTile(size_t tile_idx)>& load) {
+std::vector<Eigen::Vector3d> PlacesOfPhotos(const SessionPlan& plan, const LoadBuiltTile& load) {
   std::vector<Eigen::Vector3d> places;
   for (size_t i = 0; i < plan.tiles.size(); ++i) {
     for (const KeyframeRecord& keyframe : load(i).keyframes) {
@@ -39,51 +38,85 @@ bool IsNear(TileId tile_id, const std::vector<KeyframeRecord>& keyframes) {
   });
 }
 
-// The map around the keyframes as it would be.
-ScratchMap MapWithSession(const SessionPlan& plan,
-                          const std::function<BuiltTile(size_t tile_idx)>& load,
-                          const std::vector<KeyframeRecord>& keyframes, const MapSnapshot& base) {
-  ScratchMap scratch;
-  MapUpdate update = scratch.store().BeginUpdate();
-  const CodebookId codebook_id = update.AddCodebook(*plan.codebook, plan.codebook->id);
-  std::set<TileId> planned;
-  for (size_t i = 0; i < plan.tiles.size(); ++i) {
-    planned.insert(plan.tiles[i].tile_id);
-    if (IsNear(plan.tiles[i].tile_id, keyframes)) {
-      PutTile(load(i).tile.encoded, &update);
-    }
-  }
-  std::set<TileId> copied;
-  for (const KeyframeRecord& keyframe : keyframes) {
-    const Geodetic place = GeodeticFromEcef(keyframe.cam_from_ecef.Inverse().translation);
-    for (const TileRecord& tile : base.FindTiles(BoxAround(place, kSearchReachM))) {
-      if (tile.codebook_id == codebook_id && !planned.contains(tile.tile_id) &&
-          copied.insert(tile.tile_id).second) {
-        update.PutTile(tile, base.LoadPayload(tile.payload_id));
+// The map around the keyframes as it would be: tiles of the plan, and of the map where the plan
+// changes nothing.
+class TilesWithSession : public MapTiles {
+ public:
+  TilesWithSession(const SessionPlan& plan, const LoadBuiltTile& load,
+                   const std::vector<KeyframeRecord>& keyframes, const MapSnapshot& base)
+      : plan_(plan), load_(load), base_(base), stored_(base) {
+    for (size_t i = 0; i < plan.tiles.size(); ++i) {
+      const TileId tile_id = plan.tiles[i].tile_id;
+      BuiltHere& planned = planned_[tile_id];
+      planned.plan_idx = i;
+      if (IsNear(tile_id, keyframes)) {
+        const EncodedTile built = load(i).tile.encoded;
+        planned.is_there = !built.payload.empty();
+        planned.record = built.record;
+        planned.record.digest = "built " + tile_id.ToString();
+        planned.bounds = tile_id.Bounds();
       }
     }
   }
-  update.Publish({.kind = VersionKind::kExtract});
-  return scratch;
-}
 
-KeyframeAnswers Ask(const SessionPlan& plan, const std::function<BuiltTile(size_t tile_idx)>& load,
-                    const MapStore& store, int num_threads) {
+  std::shared_ptr<const Codebook> CurrentCodebook() const override { return plan_.codebook; }
+
+  std::vector<TileRecord> FindTiles(const GeoBox& box) const override {
+    std::vector<TileRecord> tiles;
+    for (TileRecord& record : base_.FindTiles(box)) {
+      if (record.codebook_id == plan_.codebook->id && !planned_.contains(record.tile_id)) {
+        tiles.push_back(std::move(record));
+      }
+    }
+    for (const auto& [tile_id, planned] : planned_) {
+      if (planned.is_there && planned.bounds.south_rad <= box.north_rad &&
+          planned.bounds.north_rad >= box.south_rad) {
+        tiles.push_back(planned.record);
+      }
+    }
+    std::ranges::sort(tiles, {}, &TileRecord::tile_id);
+    return tiles;
+  }
+
+  StoredTile LoadTile(const TileRecord& record) const override {
+    const auto planned = planned_.find(record.tile_id);
+    if (planned == planned_.end()) {
+      return stored_.LoadTile(record);
+    }
+    const std::vector<uint8_t> payload = load_(planned->second.plan_idx).tile.encoded.payload;
+    return {.payload = {payload.begin(), payload.end()}};
+  }
+
+ private:
+  struct BuiltHere {
+    size_t plan_idx = 0;
+    bool is_there = false;  // Near the keyframes, and not empty.
+    TileRecord record;
+    GeoBox bounds;
+  };
+
+  const SessionPlan& plan_;
+  const LoadBuiltTile& load_;
+  const MapSnapshot& base_;
+  const SnapshotTiles stored_;
+  std::map<TileId, BuiltHere> planned_;
+};
+
+KeyframeAnswers Ask(const SessionPlan& plan, const LoadBuiltTile& load, const MapStore& store,
+                    int num_threads) {
   const MapSnapshot base = store.Snapshot();
   const std::vector<KeyframeRecord> keyframes =
       KeyframesNear(base, PlacesOfPhotos(plan, load), Sim3d(), plan.replaced_session);
   if (keyframes.empty()) {
     return {};
   }
-  const ScratchMap scratch = MapWithSession(plan, load, keyframes, base);
-  const MapSnapshot after = scratch.store().Snapshot();
-  return AskKeyframes(keyframes, {&store, &base}, {&scratch.store(), &after}, Sim3d(), num_threads);
+  return AskKeyframes(keyframes, SnapshotTiles(base), TilesWithSession(plan, load, keyframes, base),
+                      Sim3d(), num_threads);
 }
 
 }  // namespace
 
-KeyframeAnswers RequireKeyframes(const SessionPlan& plan,
-                                 const std::function<BuiltTile(size_t tile_idx)>& load,
+KeyframeAnswers RequireKeyframes(const SessionPlan& plan, const LoadBuiltTile& load,
                                  const MapStore& store, int num_threads,
                                  const IngestProgress& progress) {
   if (plan.is_unchanged || plan.gate.max_lost_share >= 1.0) {

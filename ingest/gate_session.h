@@ -13,14 +13,16 @@
 
 namespace cairn {
 
+// Returns the built tile of plan.tiles[tile_idx]. Safe to call from any thread.
+using LoadBuiltTile = std::function<BuiltTile(size_t tile_idx)>;
+
 // Asks the map's keyframes near the photos of the session, in the tiles that the plan would publish
-// and their neighbors in the latest version. Copies these tiles into a file beside the temporary
-// files. `load` returns the built tile of plan.tiles[tile_idx]; tiles are asked for more than once.
-// The map is only read, and not locked. Does nothing if plan.gate allows to lose all answers, or if
-// the plan changes nothing. Reports "answers". Throws as RequireAnswers, unless the session is kept
-// apart: then its owner knows that it contradicts the map, and the answers are only counted.
-KeyframeAnswers RequireKeyframes(const SessionPlan& plan,
-                                 const std::function<BuiltTile(size_t tile_idx)>& load,
+// and their neighbors in the latest version. `load` returns the built tile of plan.tiles[tile_idx];
+// tiles are asked for more than once. The map is only read, and not locked. Does nothing if
+// plan.gate allows to lose all answers, or if the plan changes nothing. Reports "answers". Throws
+// as RequireAnswers, unless the session is kept apart: then its owner knows that it contradicts the
+// map, and the answers are only counted.
+KeyframeAnswers RequireKeyframes(const SessionPlan& plan, const LoadBuiltTile& load,
                                  const MapStore& store, int num_threads,
                                  const IngestProgress& progress);
 

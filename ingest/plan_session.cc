@@ -14,7 +14,6 @@
 #include "core/printable.h"
 #include "ingest/codebook/choose_codebook.h"
 #include "ingest/place/in_map_accuracy.h"
-#include "ingest/scratch_map.h"
 #include "ingest/session_digest.h"
 #include "ingest/session_placement.h"
 #include "ingest/tile_rewriter.h"
@@ -106,32 +105,27 @@ void FindCodebook(const Reconstruction& reconstruction, const IngestOptions& opt
 
 // What the map says about where the session stands. A session that is to be replaced has no say.
 MapComparison Compare(const Reconstruction& reconstruction, const PlacedSession& session,
-                      SessionId replaced, const IngestOptions& options, const MapSnapshot& base,
-                      const MapStore& store) {
+                      const IngestOptions& options, const KnownTiles& known) {
   if (options.joining == SessionJoining::kApart) {
     return {};
   }
-  const ComparisonOptions how = {.position_accuracy_m = options.agreement.position_accuracy_m,
-                                 .num_threads = options.num_threads};
-  if (replaced == SessionId{}) {
-    return CompareWithMap(reconstruction, session, store, base, how);
-  }
-  const ScratchMap others = MapWithoutSession(TilesToAsk(session, base), replaced, base);
-  return CompareWithMap(reconstruction, session, others.store(), others.store().Snapshot(), how);
+  return CompareWithMap(reconstruction, session, known,
+                        {.position_accuracy_m = options.agreement.position_accuracy_m,
+                         .num_threads = options.num_threads});
 }
 
 // Links of all landmarks of the session to those of the map, tile by tile.
 std::vector<LandmarkId> LinkSession(const Reconstruction& reconstruction,
                                     const PlacedSession& session, const SessionPlan& plan,
-                                    const MapSnapshot& base, const IngestProgress& progress) {
+                                    const KnownTiles& map, const IngestProgress& progress) {
   std::vector<LinkProposal> proposals;
   if (plan.options.joining == SessionJoining::kJoin) {
     const DescriptorCodec codec(plan.codebook);
     int64_t num_done = 0;
     for (const auto& [tile_id, images] : session.images_of_tile) {
       ReportProgress(progress, "links", num_done++, std::ssize(session.images_of_tile));
-      const std::optional<Tile> known = LoadWithoutSession(tile_id, plan.replaced_session, base);
-      if (!known || known->codebook_id != plan.codebook->id) {
+      const std::shared_ptr<const Tile> known = map.Find(tile_id);
+      if (known == nullptr || known->codebook_id != plan.codebook->id) {
         continue;
       }
       const std::vector<LinkProposal> of_tile =
@@ -145,11 +139,10 @@ std::vector<LandmarkId> LinkSession(const Reconstruction& reconstruction,
 // Where the map has the landmarks that `ids` name; empty for 0.
 std::vector<std::optional<Eigen::Vector3d>> KnownPlaces(const PlacedSession& session,
                                                         const std::vector<LandmarkId>& ids,
-                                                        SessionId replaced,
-                                                        const MapSnapshot& base) {
+                                                        const KnownTiles& map) {
   std::unordered_map<LandmarkId, Eigen::Vector3d> place_of_id;
   for (const auto& [tile_id, images] : session.images_of_tile) {
-    if (const std::optional<Tile> known = LoadWithoutSession(tile_id, replaced, base)) {
+    if (const std::shared_ptr<const Tile> known = map.Find(tile_id)) {
       const Rigid3d ecef_from_tile = EcefFromEnu(tile_id.Anchor());
       for (size_t i = 0; i < known->num_landmarks(); ++i) {
         place_of_id.emplace(known->landmark_ids[i],
@@ -167,17 +160,16 @@ std::vector<std::optional<Eigen::Vector3d>> KnownPlaces(const PlacedSession& ses
 
 // Adjusts the session with the landmarks that it shares with the map.
 void AdjustToMap(const Reconstruction& reconstruction, const IngestOptions& options,
-                 const MapSnapshot& base, const IngestProgress& progress, SessionPlan* plan,
+                 const KnownTiles& map, const IngestProgress& progress, SessionPlan* plan,
                  PlacedSession* session) {
   if (options.fitting != SessionFitting::kAdjust || !IsAnchored(plan->comparison.anchoring) ||
       !IsJudged(plan->comparison)) {
     return;
   }
-  const std::vector<LandmarkId> ids = LinkSession(reconstruction, *session, *plan, base, progress);
+  const std::vector<LandmarkId> ids = LinkSession(reconstruction, *session, *plan, map, progress);
   ReportProgress(progress, "adjustment", 0, 1);
   plan->adjustment =
-      AdjustSession(reconstruction, KnownPlaces(*session, ids, plan->replaced_session, base),
-                    options.num_threads, session);
+      AdjustSession(reconstruction, KnownPlaces(*session, ids, map), options.num_threads, session);
   AssignTiles(reconstruction, session);
 }
 
@@ -304,18 +296,19 @@ void SettleAndNumber(const PlacedSession& placed, double scale, const IngestOpti
                      MapStore* store, const IngestProgress& progress, PlannedSession* planned) {
   const Reconstruction& reconstruction = *planned->reconstruction;
   const MapSnapshot& base = *planned->base;
+  const KnownTiles& known = *planned->known;
   SessionPlan& plan = planned->plan;
   ReportProgress(progress, "comparison", 0, 1);
-  plan.comparison = Compare(reconstruction, placed, plan.replaced_session, options, base, *store);
+  plan.comparison = Compare(reconstruction, placed, options, known);
   RequireAgreement(plan.comparison, options.agreement,
                    AccuracyOf(plan.comparison, options.agreement.position_accuracy_m,
                               options.georef_median_residual_m,
                               OthersThan(plan.replaced_session, base.Sessions())),
                    fmt::format("session '{}'", Excerpt(plan.session.name)));
   PlacedSession settled = SettleSession(placed, reconstruction, &plan.comparison);
-  AdjustToMap(reconstruction, options, base, progress, &plan, &settled);
+  AdjustToMap(reconstruction, options, known, progress, &plan, &settled);
   plan.session.accuracy = AccuracyOf(reconstruction, settled, scale, plan, options, base);
-  planned->landmark_ids = LinkSession(reconstruction, settled, plan, base, progress);
+  planned->landmark_ids = LinkSession(reconstruction, settled, plan, known, progress);
   planned->session = JoinLinked(settled, &planned->landmark_ids);
   plan.id_counts = CountNewIds(plan, planned->session, planned->landmark_ids);
   NumberContent(store->ReserveIds(plan.id_counts, options.patience), &plan, &planned->landmark_ids);
@@ -336,6 +329,7 @@ TileShard PlannedSession::Shard(size_t tile_idx) const {
       throw Error(ErrorCode::kMapDamaged,
                   fmt::format("tile {} has no payload", tile.tile_id.ToString()));
     }
+    shard.known = known->Find(tile.tile_id);
   }
   return shard;
 }
@@ -352,7 +346,7 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
                     .max_reprojection_error_px = options.max_reprojection_error_px});
   PlannedSession planned;
   planned.reconstruction = &reconstruction;
-  planned.base.emplace(store->Snapshot());
+  planned.base = std::make_shared<const MapSnapshot>(store->Snapshot());
   SessionPlan& plan = planned.plan;
   plan.map_created_at = planned.base->Info().created_at;
   plan.base_version = planned.base->version();
@@ -372,6 +366,7 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
   }
   WarnOfSharedPhotos(plan.session, planned.base->Sessions());
   FindCodebook(reconstruction, options, *planned.base, progress, &plan);
+  planned.known = std::make_shared<const KnownTiles>(*planned.base, plan.replaced_session);
   SettleAndNumber(placed, ecef_from_world.scale, options, store, progress, &planned);
   return planned;
 }

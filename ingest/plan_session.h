@@ -2,11 +2,12 @@
 #ifndef CAIRN_INGEST_PLAN_SESSION_H_
 #define CAIRN_INGEST_PLAN_SESSION_H_
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "core/rigid3.h"
 #include "core/scene/reconstruction.h"
+#include "ingest/place/known_tiles.h"
 #include "ingest/session_plan.h"
 #include "ingest/tiles/placed_session.h"
 #include "ingest/tiles/tile_shard.h"
@@ -20,7 +21,9 @@ struct PlannedSession {
   const Reconstruction* reconstruction = nullptr;
   PlacedSession session;                 // Where the map sees it; landmarks of equal id are joined.
   std::vector<LandmarkId> landmark_ids;  // Parallel to the landmarks.
-  std::optional<MapSnapshot> base;       // Always set.
+  std::shared_ptr<const MapSnapshot> base;  // Always set.
+  // `base` without the replaced session. Set unless the plan changes nothing.
+  std::shared_ptr<const KnownTiles> known;
 
   // Returns what plan.tiles[tile_idx] is built from. Reads the map. Safe to call from any thread.
   // Throws Error(kUnavailable) if the base version was pruned since, Error(kMapDamaged) if the

@@ -12,7 +12,7 @@
 #include "ingest/codebook/shipped_codebook.h"
 #include "ingest/session_digest.h"
 #include "ingest/tile_names.h"
-#include "ingest/write_tile.h"
+#include "ingest/tiles/write_tile.h"
 
 namespace cairn {
 namespace {

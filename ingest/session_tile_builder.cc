@@ -34,8 +34,7 @@ BuiltTile SessionTileBuilder::Build(const TileShard& shard) const {
   const TileRewriteContext context{&plan_.options,       &source,
                                    selector_.get(),      plan_.replaced_session,
                                    &plan_.session_times, IsJudged(plan_.comparison)};
-  return {RewriteTile(context, shard.tile_id, shard.base, shard.keyframe_ids),
-          KeyframesOf(shard, plan_.session.id)};
+  return {RewriteTile(context, shard), KeyframesOf(shard, plan_.session.id)};
 }
 
 }  // namespace cairn

@@ -84,19 +84,16 @@ JoinedTile JoinSession(const Tile& known, const TileRewriteContext& context, Til
                     .is_judged = context.is_judged});
 }
 
-// The tile that a payload holds, without a session.
-Tile DecodeWithoutSession(std::span<const uint8_t> payload, SessionId without) {
-  Tile tile = DecodeTile(payload);
-  return without == SessionId{} ? tile : WithoutSession(std::move(tile), without);
-}
-
-template <typename Map>
-std::optional<Tile> LoadFrom(const Map& map, TileId tile_id, SessionId without) {
-  const std::optional<TileRecord> record = map.FindTile(tile_id);
-  if (!record) {
-    return std::nullopt;
+// What the map knows in the tile without the session that is replaced.
+Tile KnownOf(const TileShard& shard, SessionId replaced, const Codebook& codebook) {
+  if (shard.known != nullptr) {
+    return *shard.known;
   }
-  return DecodeWithoutSession(map.LoadPayload(record->payload_id), without);
+  if (shard.base.empty()) {
+    return EmptyTile(shard.tile_id, codebook.id, codebook.num_subspaces);
+  }
+  Tile tile = DecodeTile(shard.base);
+  return replaced == SessionId{} ? tile : WithoutSession(std::move(tile), replaced);
 }
 
 void RequireCodebook(const Tile& tile, CodebookId codebook_id) {
@@ -110,30 +107,19 @@ void RequireCodebook(const Tile& tile, CodebookId codebook_id) {
 
 }  // namespace
 
-std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update) {
-  return LoadFrom(update, tile_id, without);
-}
-
-std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapSnapshot& map) {
-  return LoadFrom(map, tile_id, without);
-}
-
-RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
-                          std::span<const uint8_t> base,
-                          const std::vector<KeyframeId>& keyframe_ids) {
+RewrittenTile RewriteTile(const TileRewriteContext& context, const TileShard& shard) {
   const Codebook& codebook = context.source->codec->codebook();
   RewrittenTile rewritten;
-  Tile tile = base.empty() ? EmptyTile(tile_id, codebook.id, codebook.num_subspaces)
-                           : DecodeWithoutSession(base, context.replaced_session);
-  if (context.source->session->images_of_tile.contains(tile_id)) {
+  Tile tile = KnownOf(shard, context.replaced_session, codebook);
+  if (context.source->session->images_of_tile.contains(shard.tile_id)) {
     RequireCodebook(tile, codebook.id);
-    JoinedTile joined = JoinSession(tile, context, tile_id, keyframe_ids);
+    JoinedTile joined = JoinSession(tile, context, shard.tile_id, shard.keyframe_ids);
     tile = std::move(joined.tile);
     rewritten.replaced_keyframes = std::move(joined.replaced_keyframes);
     rewritten.changes = joined.changes;
   }
   rewritten.encoded = EncodeForMap(tile, codebook);
-  rewritten.changes.num_bytes_before = std::ssize(base);
+  rewritten.changes.num_bytes_before = std::ssize(shard.base);
   rewritten.changes.num_bytes_after = std::ssize(rewritten.encoded.payload);
   return rewritten;
 }

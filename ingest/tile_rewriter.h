@@ -13,15 +13,12 @@
 #include "ingest/tiles/build_tile.h"
 #include "ingest/tiles/landmark_history.h"
 #include "ingest/tiles/landmark_selection.h"
-#include "ingest/write_tile.h"
+#include "ingest/tiles/tile_shard.h"
+#include "ingest/tiles/write_tile.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile.h"
 
 namespace cairn {
-
-// The tile of the map without a session (which may be none); nothing if the map has no such tile.
-std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapUpdate& update);
-std::optional<Tile> LoadWithoutSession(TileId tile_id, SessionId without, const MapSnapshot& map);
 
 // Input that all tiles of an ingest share. Refers to data of the caller.
 struct TileRewriteContext {
@@ -43,14 +40,12 @@ struct RewrittenTile {
 // Takes the replaced session out of the tile and puts the new one in:
 // build - join - encode; see JoinTiles. A session that is kept apart stands beside the others. The
 // selection rates the landmarks of a first session by their observations over the whole
-// reconstruction. `base` is the payload that the map has, empty if it has none. `keyframe_ids` are
-// the ids of the session's images of the tile (PlacedSession::images_of_tile). Depends on the
+// reconstruction. `shard` is the part of the session that the tile takes, with the payload that
+// the map has. Depends on the
 // arguments only, so tiles can be rewritten in any order, on any thread or machine. Throws
 // Error(kConflict) if the tile has another codebook than the session, Error(kMapDamaged) if it does
 // not decode.
-RewrittenTile RewriteTile(const TileRewriteContext& context, TileId tile_id,
-                          std::span<const uint8_t> base,
-                          const std::vector<KeyframeId>& keyframe_ids);
+RewrittenTile RewriteTile(const TileRewriteContext& context, const TileShard& shard);
 
 }  // namespace cairn
 

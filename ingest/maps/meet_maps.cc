@@ -108,7 +108,8 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_th
   }
   // Only the images that the map is asked for get features, so that memory is bounded.
   std::map<TileId, std::vector<int>> images_of_tile;
-  const PhotosToAsk photos = ChoosePhotos(view.session, a.snapshot());
+  const KnownTiles known(a.snapshot());
+  const PhotosToAsk photos = ChoosePhotos(view.session, known);
   for (const std::vector<int>* images : {&photos.expected, &photos.sought}) {
     for (const int image_idx : *images) {
       images_of_tile[view.keyframe_of_image[static_cast<size_t>(image_idx)].first].push_back(
@@ -127,7 +128,7 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_th
               .features;
     }
   }
-  return CompareWithMap(view.reconstruction, view.session, a.store(), a.snapshot(),
+  return CompareWithMap(view.reconstruction, view.session, known,
                         {.may_bend = false, .num_threads = num_threads});
 }
 

@@ -20,7 +20,7 @@
 #include "ingest/session_placement.h"
 #include "ingest/tiles/tile_edit.h"
 #include "ingest/tiles/viewpoints.h"
-#include "ingest/write_tile.h"
+#include "ingest/tiles/write_tile.h"
 
 namespace cairn {
 namespace {
@@ -264,7 +264,7 @@ KeyframeAnswers AskKeyframesOf(const MergeSource& source, const Sim3d& moved_fro
                                const MapStore& merged, int num_threads) {
   const MapSnapshot after = merged.Snapshot();
   return AskKeyframes(KeyframesNear(source.snapshot(), news_in_ecef, moved_from_ecef, SessionId{}),
-                      {&source.store(), &source.snapshot()}, {&merged, &after}, moved_from_ecef,
+                      SnapshotTiles(source.snapshot()), SnapshotTiles(after), moved_from_ecef,
                       num_threads);
 }
 

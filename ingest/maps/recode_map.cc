@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "ingest/codebook/transcoder.h"
-#include "ingest/write_tile.h"
+#include "ingest/tiles/write_tile.h"
 #include "storage/codebook/codebook_digest.h"
 #include "storage/tile/tile_codec.h"
 

@@ -9,7 +9,7 @@
 #include "core/printable.h"
 #include "ingest/tile_rewriter.h"
 #include "ingest/tiles/tile_edit.h"
-#include "ingest/write_tile.h"
+#include "ingest/tiles/write_tile.h"
 #include "storage/codebook/codebook.h"
 #include "storage/tile/tile_codec.h"
 
@@ -20,6 +20,11 @@ int64_t CountLandmarksOf(const Tile& tile, SessionId session_id) {
   return std::count_if(tile.sightings.begin(), tile.sightings.end(), [&](const auto& sighting) {
     return sighting.session_id == session_id && sighting.num_sights > 0;
   });
+}
+
+std::optional<Tile> LoadTile(TileId tile_id, const MapUpdate& update) {
+  const std::optional<TileRecord> record = update.FindTile(tile_id);
+  return record ? std::optional(DecodeTile(update.LoadPayload(record->payload_id))) : std::nullopt;
 }
 
 }  // namespace
@@ -40,7 +45,7 @@ RemovalReport RemoveSession(const std::string& session_name, MapStore* store) {
   const std::vector<TileId> tiles = update.TilesOfSession(record->id);
   update.RemoveSession(record->id);
   for (const TileId tile_id : tiles) {
-    const std::optional<Tile> before = LoadWithoutSession(tile_id, SessionId{}, update);
+    const std::optional<Tile> before = LoadTile(tile_id, update);
     if (!before) {
       continue;
     }

@@ -67,7 +67,7 @@ Eigen::Vector3d CenterOf(const KeyframeRecord& keyframe) {
 // The features of keyframes, in the projected space of the map's codebook. Parallel to the
 // keyframes; those that the tile does not have get no features.
 std::vector<FeatureSet> FeaturesOf(const std::vector<KeyframeRecord>& keyframes,
-                                   const MapSnapshot& map) {
+                                   const MapTiles& map) {
   const DescriptorCodec codec(map.CurrentCodebook());
   std::map<TileId, std::vector<size_t>> keyframes_of_tile;
   for (size_t i = 0; i < keyframes.size(); ++i) {
@@ -75,11 +75,11 @@ std::vector<FeatureSet> FeaturesOf(const std::vector<KeyframeRecord>& keyframes,
   }
   std::vector<FeatureSet> features(keyframes.size());
   for (const auto& [tile_id, own] : keyframes_of_tile) {
-    const std::optional<TileRecord> record = map.FindTile(tile_id);
+    const std::optional<TileRecord> record = FindTile(map, tile_id);
     if (!record || record->codebook_id != codec.codebook().id) {
       continue;
     }
-    const Tile tile = DecodeTile(map.LoadPayload(record->payload_id));
+    const Tile tile = DecodeTile(map.LoadTile(*record).payload);
     const DescriptorMatrix descriptors =
         codec.Decode(tile.codes.data(), static_cast<int>(tile.num_descriptors()));
     for (const size_t i : own) {
@@ -112,19 +112,17 @@ LocalizeQuery QueryAt(const Rigid3d& cam_from_ecef, const Camera& camera,
 
 // Whether each keyframe gets a right answer at its pose.
 std::vector<char> AreRight(const std::vector<LocalizeQuery>& queries,
-                           const std::vector<Rigid3d>& cam_from_ecef, const MapToAsk& map,
+                           const std::vector<Rigid3d>& cam_from_ecef, const MapTiles& map,
                            int num_threads) {
   const PlacementFitOptions right;
-  // The store outlives the localizer, which wants to share it.
-  const std::shared_ptr<const MapStore> shared(std::shared_ptr<const MapStore>(), map.store);
-  const std::string codec = map.version->CurrentCodebook()->CodecName();
-  const Localizer localizer(shared, LocalizerOptions(), kGateCacheBytes);
+  const std::string codec = map.CurrentCodebook()->CodecName();
+  const Localizer localizer(map, LocalizerOptions(), kGateCacheBytes);
   std::vector<char> are_right(queries.size());
   ParallelFor(static_cast<int>(queries.size()), num_threads, [&](int i) {
     const auto idx = static_cast<size_t>(i);
     LocalizeQuery query = queries[idx];
     query.codec = codec;
-    const LocalizeResult result = localizer.LocalizeIn(*map.version, query);
+    const LocalizeResult result = localizer.Localize(query);
     are_right[idx] =
         result.localized &&
         (result.cam_from_ecef.Inverse().translation - cam_from_ecef[idx].Inverse().translation)
@@ -172,15 +170,15 @@ std::vector<KeyframeRecord> KeyframesNear(const MapSnapshot& map,
   return some;
 }
 
-KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const MapToAsk& before,
-                             const MapToAsk& after, const Sim3d& after_from_before,
+KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const MapTiles& before,
+                             const MapTiles& after, const Sim3d& after_from_before,
                              int num_threads) {
   KeyframeAnswers answers;
   if (keyframes.empty()) {
     return answers;
   }
   answers.num_asked = static_cast<int>(keyframes.size());
-  const std::vector<FeatureSet> features = FeaturesOf(keyframes, *before.version);
+  const std::vector<FeatureSet> features = FeaturesOf(keyframes, before);
   std::vector<LocalizeQuery> queries;
   std::vector<Rigid3d> cam_from_ecef;
   for (size_t i = 0; i < keyframes.size(); ++i) {

@@ -6,16 +6,11 @@
 #include <vector>
 
 #include "core/rigid3.h"
+#include "engine/tiles/map_tiles.h"
 #include "storage/ids.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
-
-// A map with the version that is asked.
-struct MapToAsk {
-  const MapStore* store = nullptr;
-  const MapSnapshot* version = nullptr;
-};
 
 // What became of the answers to keyframes of a map.
 struct KeyframeAnswers {
@@ -41,8 +36,8 @@ std::vector<KeyframeRecord> KeyframesNear(const MapSnapshot& map,
 // and 5 degrees of the keyframe's pose, moved by `after_from_before`. Keyframes without a right
 // answer are asked for in `before`, too, and are not lost if they have none there. Takes one or two
 // queries a keyframe. The result does not depend on `num_threads`.
-KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const MapToAsk& before,
-                             const MapToAsk& after, const Sim3d& after_from_before,
+KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const MapTiles& before,
+                             const MapTiles& after, const Sim3d& after_from_before,
                              int num_threads);
 
 }  // namespace cairn

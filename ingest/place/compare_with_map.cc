@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -18,7 +17,6 @@
 #include "engine/localizer.h"
 #include "ingest/place/in_map_accuracy.h"
 #include "ingest/tiles/near_view.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -59,7 +57,7 @@ std::vector<Eigen::Vector3d> CentersOf(const PlacedSession& session) {
 // The photos of the map, by tile; loads a tile when it is asked for first.
 class KnownViews {
  public:
-  explicit KnownViews(const MapSnapshot& map) : map_(map) {}
+  explicit KnownViews(const KnownTiles& map) : map_(map) {}
 
   // Returns whether a photo of the map's tile looks from about the same place into about the same
   // direction.
@@ -94,11 +92,10 @@ class KnownViews {
 
   const std::vector<View>& ViewsOf(TileId tile_id) {
     const auto [entry, is_new] = views_of_tile_.try_emplace(tile_id);
-    const std::optional<TileRecord> record = is_new ? map_.FindTile(tile_id) : std::nullopt;
-    if (record) {
-      const Tile tile = DecodeTile(map_.LoadPayload(record->payload_id));
+    const std::shared_ptr<const Tile> tile = is_new ? map_.Find(tile_id) : nullptr;
+    if (tile != nullptr) {
       const Rigid3d ecef_from_tile = EcefFromEnu(tile_id.Anchor());
-      for (const TileKeyframe& keyframe : tile.keyframes) {
+      for (const TileKeyframe& keyframe : tile->keyframes) {
         entry->second.push_back(ViewOf(ecef_from_tile * keyframe.cam_from_tile.Inverse()));
         centers_of_session_[keyframe.session_id].push_back(entry->second.back().center_in_ecef);
       }
@@ -106,7 +103,7 @@ class KnownViews {
     return entry->second;
   }
 
-  const MapSnapshot& map_;
+  const KnownTiles& map_;
   std::map<TileId, std::vector<View>> views_of_tile_;
   std::map<SessionId, std::vector<Eigen::Vector3d>> centers_of_session_;
 };
@@ -133,7 +130,7 @@ std::vector<int> EvenOnesFirst(const std::vector<int>& all) {
   return ordered;
 }
 
-PhotosToAsk ChooseAmong(const PlacedSession& session, const MapSnapshot& map, KnownViews* known) {
+PhotosToAsk ChooseAmong(const PlacedSession& session, const KnownTiles& map, KnownViews* known) {
   std::vector<int> expected, others;
   for (const auto& [tile_id, images_of_tile] : session.images_of_tile) {
     for (const int image_idx : images_of_tile) {
@@ -232,15 +229,12 @@ void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
 class MapInquiry {
  public:
   MapInquiry(const Reconstruction& reconstruction, const PlacedSession& session,
-             const MapStore& store, const MapSnapshot& map, const ComparisonOptions& options)
+             const KnownTiles& map, const ComparisonOptions& options)
       : reconstruction_(reconstruction),
         session_(session),
-        map_(map),
         options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
-        // The store outlives the localizer, which wants to share it.
-        localizer_(std::shared_ptr<const MapStore>(std::shared_ptr<const MapStore>(), &store),
-                   LocalizerOptions(), kCacheBytes) {}
+        localizer_(map, LocalizerOptions(), kCacheBytes) {}
 
   // Returns the number of photos that the map recognizes with this confidence.
   int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {
@@ -249,7 +243,7 @@ class MapInquiry {
       LocalizeQuery query =
           QueryOf(reconstruction_, session_, images[static_cast<size_t>(i)], accuracy_m);
       query.codec = codec_;
-      results[static_cast<size_t>(i)] = localizer_.LocalizeIn(map_, query);
+      results[static_cast<size_t>(i)] = localizer_.Localize(query);
     });
     int num_recognized = 0;
     for (size_t i = 0; i < images.size(); ++i) {
@@ -295,7 +289,6 @@ class MapInquiry {
  private:
   const Reconstruction& reconstruction_;
   const PlacedSession& session_;
-  const MapSnapshot& map_;
   const ComparisonOptions& options_;
   const std::string codec_;
   const Localizer localizer_;
@@ -321,25 +314,13 @@ bool IsJudged(const MapComparison& comparison) {
           2 * comparison.num_agreeing_after >= comparison.num_expected_after);
 }
 
-PhotosToAsk ChoosePhotos(const PlacedSession& session, const MapSnapshot& map) {
+PhotosToAsk ChoosePhotos(const PlacedSession& session, const KnownTiles& map) {
   KnownViews known(map);
   return ChooseAmong(session, map, &known);
 }
 
-std::vector<TileId> TilesToAsk(const PlacedSession& session, const MapSnapshot& map) {
-  std::set<TileId> tiles;
-  for (const Rigid3d& cam_from_ecef : session.cam_from_ecef) {
-    for (const TileRecord& tile :
-         map.FindTiles(BoxAround(GeodeticFromEcef(cam_from_ecef.Inverse().translation), kReachM))) {
-      tiles.insert(tile.tile_id);
-    }
-  }
-  return {tiles.begin(), tiles.end()};
-}
-
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& store, const MapSnapshot& map,
-                             const ComparisonOptions& options) {
+                             const KnownTiles& map, const ComparisonOptions& options) {
   MapComparison comparison;
   comparison.spread_m = SpreadOf(CentersOf(session));
   comparison.anchoring.session = {static_cast<int>(session.cam_from_ecef.size()),
@@ -352,7 +333,7 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
     known.Describe(&comparison);
     return comparison;
   }
-  MapInquiry inquiry(reconstruction, session, store, map, options);
+  MapInquiry inquiry(reconstruction, session, map, options);
   comparison.num_localized = inquiry.Ask(photos.expected, kExpectedAccuracyM, 0.0);
   inquiry.Fit(&known, &comparison);
   const auto middle = photos.sought.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(

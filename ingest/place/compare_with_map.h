@@ -9,9 +9,9 @@
 #include "ingest/anchor/bending.h"
 #include "ingest/anchor/consistent_frames.h"
 #include "ingest/place/fit_placement.h"
+#include "ingest/place/known_tiles.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/ids.h"
-#include "storage/map/map_store.h"
 
 namespace cairn {
 
@@ -70,7 +70,7 @@ struct PhotosToAsk {
   // which they are asked for.
   std::vector<int> sought;
 };
-PhotosToAsk ChoosePhotos(const PlacedSession& session, const MapSnapshot& map);
+PhotosToAsk ChoosePhotos(const PlacedSession& session, const KnownTiles& map);
 
 // What CompareWithMap has to know of the session beside its content.
 struct ComparisonOptions {
@@ -84,16 +84,10 @@ struct ComparisonOptions {
 // Localizes photos of the session by the features of the reconstruction: raw, or in the projected
 // space of the map's codebook. Asks for the expected photos first. If fewer than half of them agree
 // on one motion, asks for the sought photos, twelve of them first; the others only if the map
-// recognizes one. A session that is misplaced by more than 100 m is not found. `map` is a version
-// of `store`; later versions do not change the result. Throws what the engine throws on a damaged
-// map.
+// recognizes one. A session that is misplaced by more than 100 m is not found. Throws what the
+// engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
-                             const MapStore& store, const MapSnapshot& map,
-                             const ComparisonOptions& options);
-
-// The tiles of the map within 100 m of a camera of the session, ascending: all that CompareWithMap
-// reads.
-std::vector<TileId> TilesToAsk(const PlacedSession& session, const MapSnapshot& map);
+                             const KnownTiles& map, const ComparisonOptions& options);
 
 }  // namespace cairn
 

@@ -3,6 +3,7 @@
 #define CAIRN_INGEST_TILES_TILE_SHARD_H_
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/large_vector.h"
@@ -10,6 +11,7 @@
 #include "core/tile_id.h"
 #include "ingest/tiles/placed_session.h"
 #include "storage/ids.h"
+#include "storage/tile/tile.h"
 
 namespace cairn {
 
@@ -18,6 +20,8 @@ namespace cairn {
 struct TileShard {
   TileId tile_id;
   LargeVector<uint8_t> base;  // The payload in the map; empty if the map has no such tile.
+  // What `base` holds, without the session that is replaced, if it has been decoded; else null.
+  std::shared_ptr<const Tile> known;
 
   // The images that stand in the tile, in the order of the session, with the keypoints that see
   // landmarks, and a camera an image. There are none if the tile only loses a session that is

@@ -1,6 +1,6 @@
 // Tiles as a map stores them; private to ingest.
-#ifndef CAIRN_INGEST_WRITE_TILE_H_
-#define CAIRN_INGEST_WRITE_TILE_H_
+#ifndef CAIRN_INGEST_TILES_WRITE_TILE_H_
+#define CAIRN_INGEST_TILES_WRITE_TILE_H_
 
 #include <cstdint>
 #include <vector>
@@ -30,4 +30,4 @@ int64_t WriteTile(const Tile& tile, const Codebook& codebook, MapUpdate* update)
 
 }  // namespace cairn
 
-#endif  // CAIRN_INGEST_WRITE_TILE_H_
+#endif  // CAIRN_INGEST_TILES_WRITE_TILE_H_

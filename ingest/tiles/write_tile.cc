@@ -1,4 +1,4 @@
-#include "ingest/write_tile.h"
+#include "ingest/tiles/write_tile.h"
 
 #include "engine/index/inverted_lists.h"
 #include "ingest/tiles/tile_edit.h"
