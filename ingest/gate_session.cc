@@ -84,7 +84,9 @@ class TilesWithSession : public MapTiles {
       return stored_.LoadTile(record);
     }
     const std::vector<uint8_t> payload = load_(planned->second.plan_idx).tile.encoded.payload;
-    return {.payload = {payload.begin(), payload.end()}};
+    StoredTile tile;
+    tile.payload = {payload.begin(), payload.end()};
+    return tile;
   }
 
  private:
