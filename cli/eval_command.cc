@@ -87,7 +87,16 @@ void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
           fmt::format("query {} needs its photo; give --image-dir DIR", Excerpt(query.name)));
     }
     if (arguments.server_url.empty() || arguments.send_as == SendAs::kFeatures) {
-      query.query.features = ExtractSift(ReadGrayImage(query.image_path), arguments.options.sift);
+      const GrayImage photo = ReadGrayImage(query.image_path);
+      const Camera& camera = query.query.camera;
+      if (photo.picture_width_px() != camera.width_px() ||
+          photo.picture_height_px() != camera.height_px()) {
+        throw Error(ErrorCode::kBadInput,
+                    fmt::format("{} has {} x {} pixels, but its camera states {} x {}",
+                                Printable(query.image_path), photo.picture_width_px(),
+                                photo.picture_height_px(), camera.width_px(), camera.height_px()));
+      }
+      query.query.features = ExtractSift(photo, arguments.options.sift);
     }
     progress->Update("extract", i + 1, total);
   }
@@ -250,7 +259,9 @@ void AddQuerySourceOptions(CLI::App* command, EvalQueryArguments* arguments) {
                    "File with the images of the model to query, one name per line. Default: all "
                    "that are not in the map")
       ->type_name("FILE");
-  command->add_option("--image-dir", arguments->image_dir, "Folder of the model's photos")
+  command
+      ->add_option("--image-dir", arguments->image_dir,
+                   "Folder of the model's photos. Without --database, the features come from them")
       ->type_name("DIR");
 }
 

@@ -119,18 +119,27 @@ std::set<std::string> QueryNames(const Reconstruction& reconstruction,
   return listed;
 }
 
+// Without a database, the features come from the photos.
+Reconstruction ReadModel(const EvalQueryArguments& arguments) {
+  const ReconstructionArguments& model = arguments.reconstruction;
+  if (model.model_dir.empty() || (model.database_path.empty() && arguments.image_dir.empty())) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "no queries given; use --queries FILE, or --model DIR with --database FILE or, for "
+                "features from the photos, with --image-dir DIR");
+  }
+  if (model.database_path.empty()) {
+    return ReadColmapPoses(model.model_dir);
+  }
+  ColmapInput input;
+  input.model_dir = model.model_dir;
+  input.database_path = model.database_path;
+  return ReadColmap(input);
+}
+
 std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
                                         const GeoregisterOptions& georegister,
                                         const MapSnapshot& map) {
-  if (arguments.reconstruction.model_dir.empty() ||
-      arguments.reconstruction.database_path.empty()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "no queries given; use --queries FILE, or --model DIR with --database FILE");
-  }
-  ColmapInput input;
-  input.model_dir = arguments.reconstruction.model_dir;
-  input.database_path = arguments.reconstruction.database_path;
-  const Reconstruction reconstruction = ReadColmap(input);
+  const Reconstruction reconstruction = ReadModel(arguments);
   const std::vector<KeyframeRecord> keyframes = AllKeyframes(map);
   const std::set<std::string> names = QueryNames(reconstruction, arguments, keyframes);
   const PlacedReference reference =

@@ -17,8 +17,8 @@ using DescriptorMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Ei
 struct Keypoint {
   float x_px = 0.0f;
   float y_px = 0.0f;
-  float scale_px = 1.0f;  // Standard deviation of the detector's Gaussian.
-  // Direction of the dominant gradient; 0 is the x axis, pi/2 the y axis.
+  float scale_px = 1.0f;  // Standard deviation of the detector's Gaussian; 0 if unknown.
+  // Direction of the dominant gradient; 0 is the x axis, pi/2 the y axis; NaN if it is unknown.
   float orientation_rad = 0.0f;
 };
 
@@ -38,13 +38,13 @@ struct FeatureSet {
 };
 
 // Throws Error(kBadInput), naming `what`, if the counts differ, a number is not finite, or a scale
-// is not positive.
+// is negative. A scale may be 0 and an orientation NaN; see core/keypoint_shape.h.
 void ValidateFeatures(const FeatureSet& features, const char* what);
 
 // Returns the gravity-rectified orientation (Kurz and Benhimane 2011): the keypoint's direction
 // relative to the image of the gravity direction at the keypoint, in (-pi, pi]. Returns nothing if
-// the viewing ray is within 3 degrees of the vertical, where the direction is meaningless.
-// `down_in_cam` is a unit vector.
+// the viewing ray is within 3 degrees of the vertical, where the direction is meaningless, or if
+// the keypoint has no orientation. `down_in_cam` is a unit vector.
 std::optional<double> GravityRectifiedOrientationRad(const Camera& camera, const Keypoint& keypoint,
                                                      const Eigen::Vector3d& down_in_cam);
 

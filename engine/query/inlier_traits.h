@@ -11,7 +11,7 @@ struct InlierTraits {
   double landmark_sigma_px = 0.0;  // Standard deviation of the landmark, projected.
   // Squared distance of the descriptors relative to that of a median pair of one landmark.
   double sq_distance = 0.0;
-  double log_size = 0.0;  // Logarithm of the keypoint's scale over the predicted scale.
+  double log_size = 0.0;  // Logarithm of the keypoint's scale over the predicted one; NaN: unknown.
   // Difference of the gravity-rectified orientations, with the gravity of the pose; negative if one
   // of them is unknown.
   double orientation_rad = 0.0;

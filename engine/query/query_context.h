@@ -94,7 +94,7 @@ struct Correspondence {
   float sigma_m = 0.0f;         // Standard deviation of the landmark position.
   // Direction from the landmark to the mapping camera of the matched descriptor.
   float azimuth_rad = 0.0f;
-  float size_m = 0.0f;                   // Physical size of the matched keypoint.
+  float size_m = 0.0f;                   // Physical size of the matched keypoint; 0: unknown.
   float descriptor_sq_distance = 0.0f;   // Of the descriptors alone.
   std::optional<float> orientation_rad;  // Gravity-rectified orientation of the matched descriptor.
   // The area of the image in which the keypoint of the landmark was sought, given a pose, square

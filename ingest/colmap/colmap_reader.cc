@@ -142,7 +142,16 @@ ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source,
   return image;
 }
 
-// Fills the cameras, the images and the index of the read images.
+ReconImage PoseAlone(const ColmapImage& source, int camera_idx) {
+  ReconImage image;
+  image.name = source.name;
+  image.camera_idx = camera_idx;
+  image.cam_from_world = source.cam_from_world;
+  return image;
+}
+
+// Fills the cameras, the images and the index of the read images. Without a database, images have
+// no features.
 void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDatabase* database,
                 Reconstruction* reconstruction, ImageIndex* index) {
   std::unordered_map<uint32_t, int> camera_idx_of_id;
@@ -150,7 +159,10 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDataba
     camera_idx_of_id[camera_id] = static_cast<int>(reconstruction->cameras.size());
     reconstruction->cameras.push_back(camera);
   }
-  const std::vector<std::string> names = NamesInDatabase(input, model.images, database);
+  std::vector<std::string> names;
+  if (database != nullptr) {
+    names = NamesInDatabase(input, model.images, database);
+  }
   for (size_t i = 0; i < model.images.size(); ++i) {
     const ColmapImage& image = model.images[i];
     const auto camera_idx = camera_idx_of_id.find(image.camera_id);
@@ -165,7 +177,8 @@ void ReadImages(const ColmapInput& input, const ColmapModel& model, ColmapDataba
     }
     (*index)[image.image_id] = static_cast<int>(reconstruction->images.size());
     reconstruction->images.push_back(
-        ReadImage(input, image, names[i], camera_idx->second, database));
+        database == nullptr ? PoseAlone(image, camera_idx->second)
+                            : ReadImage(input, image, names[i], camera_idx->second, database));
   }
 }
 
@@ -219,24 +232,45 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
   }
 }
 
-}  // namespace
-
-Reconstruction ReadColmap(const ColmapInput& input_with_folder) {
-  ColmapInput input = input_with_folder;
-  input.model_dir = FindColmapModel(input.model_dir);
-  ColmapModel model = ReadColmapModel(input.model_dir);
+// Returns the ids of the model's images, none of which is read yet.
+ImageIndex IndexOf(const ColmapInput& input, const ColmapModel& model) {
   ImageIndex index;
   for (const ColmapImage& image : model.images) {
     if (!index.emplace(image.image_id, -1).second) {
       ThrowBadModel(input, fmt::format("image id {} occurs twice", image.image_id));
     }
   }
+  return index;
+}
+
+void SortByName(ColmapModel* model) {
+  std::sort(model->images.begin(), model->images.end(),
+            [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+}
+
+}  // namespace
+
+Reconstruction ReadColmapPoses(const std::string& model_dir) {
+  ColmapInput input;
+  input.model_dir = FindColmapModel(model_dir);
+  ColmapModel model = ReadColmapModel(input.model_dir);
+  ImageIndex index = IndexOf(input, model);
+  SortByName(&model);
+  Reconstruction reconstruction;
+  ReadImages(input, model, /*database=*/nullptr, &reconstruction, &index);
+  return reconstruction;
+}
+
+Reconstruction ReadColmap(const ColmapInput& input_with_folder) {
+  ColmapInput input = input_with_folder;
+  input.model_dir = FindColmapModel(input.model_dir);
+  ColmapModel model = ReadColmapModel(input.model_dir);
+  ImageIndex index = IndexOf(input, model);
   ColmapDatabase database(input.database_path);
   if (!input.image_names.empty()) {
     KeepImages(input, &database, &model.images);
   }
-  std::sort(model.images.begin(), model.images.end(),
-            [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+  SortByName(&model);
   Reconstruction reconstruction;
   ReadImages(input, model, &database, &reconstruction, &index);
   ReadLandmarks(input, model, index, &reconstruction);

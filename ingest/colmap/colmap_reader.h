@@ -33,6 +33,10 @@ struct ColmapInput {
 // model nor database knows, and if the model has none of the named images.
 Reconstruction ReadColmap(const ColmapInput& input);
 
+// Reads the cameras and the poses alone. The images, in the order of their names, have no features,
+// and there are no landmarks. Throws as ReadColmap does for the model.
+Reconstruction ReadColmapPoses(const std::string& model_dir);
+
 // Reads one image name per line from a file of at most 256 MiB. Ignores a byte order mark, blank
 // lines and lines that begin with '#'.
 std::vector<std::string> ReadImageList(const std::string& path);

@@ -102,7 +102,7 @@ double OrientationFromCode(uint8_t code);       // In (-pi, pi]; `code` must not
 uint8_t AzimuthCode(double azimuth_rad);        // azimuth = atan2(north, east).
 double AzimuthFromCode(uint8_t code);
 // The physical size of a keypoint is scale_px / focal_px * distance, meters. 256 codes cover 1 mm
-// to 60 m at equal ratios of 4.4 %; sizes outside are clamped.
+// to 60 m at equal ratios of 4.4 %; sizes outside are clamped. Size 0 is unknown and has code 255.
 uint8_t SizeCode(double size_m);
 double SizeFromCode(uint8_t code);
 // Standard deviation of a landmark position (root mean square over the axes), meters. The scale is

@@ -16,7 +16,7 @@ import tempfile
 SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 LINKED_PAGES = ["README.md", "glossary.md", "when_it_does_not_localize.md", "from_hloc.md", "from_colmap.md",
-                "using_the_library.md"]
+                "using_the_library.md", "first_hour.md", "newcomers.md"]
 
 
 def commands_of(page):
@@ -78,14 +78,15 @@ def main():
         sys.exit(SKIPPED)
     environment = dict(os.environ, PATH=f"{build / 'cli'}:{os.environ['PATH']}", CAIRN_BUILD=str(build))
     with tempfile.TemporaryDirectory(prefix="cairn_pages_") as name:
-        # The second folder is for a page that begins with the same map.
-        folder, other_folder = pathlib.Path(name) / "a", pathlib.Path(name) / "b"
-        for each in folder, other_folder:
+        # Pages that begin with the same map have folders of their own.
+        folder, other_folder, first_folder = (pathlib.Path(name) / each for each in "abc")
+        for each in folder, other_folder, first_folder:
             each.mkdir()
             prepare(each, data)
         for page in ["from_hloc.md", "when_it_does_not_localize.md", "using_the_library.md"]:
             follow(page, folder, environment)
         follow("from_colmap.md", other_folder, environment)
+        follow("first_hour.md", first_folder, environment)
         lines = (folder / "results.txt").read_text().splitlines()
         if not lines or any(len(line.split()) != 8 for line in lines):
             sys.exit(f"results.txt is not what hloc reads: {lines}")
