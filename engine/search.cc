@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "engine/find_camera.h"
@@ -98,12 +99,14 @@ bool Search::AnswerEarly(const LocalizeQuery& query, StageRunner* stages) {
   int num_keypoints = FirstRound(stated_.num_keypoints());
   while (num_keypoints < stated_.num_keypoints() && stages->is_running()) {
     PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
+    std::optional<QueryContext> camera_of_last_round = with_camera_;
     TryRound(num_keypoints, query, stages);
     if (camera_is_certain_ && IsBeyondDoubt(hypotheses_, SureEvidence(), options_.answer)) {
       return true;
     }
     if (hypotheses_.empty() && budget_.DeadlinePassed()) {
       hypotheses_ = std::move(of_last_round);
+      with_camera_ = std::move(camera_of_last_round);
       return false;
     }
     num_keypoints = NextRound(num_keypoints, stated_.num_keypoints(), hypotheses_, SureEvidence());
@@ -151,9 +154,11 @@ void Search::Run(const LocalizeQuery& query, StageRunner* stages) {
   }
   // If the time ends before all keypoints have given a pose, the answer is that of the last round.
   PoseHypotheses of_last_round = std::exchange(hypotheses_, {});
+  std::optional<QueryContext> camera_of_last_round = with_camera_;
   SearchAll(query, stages);
   if (hypotheses_.empty() && budget_.DeadlinePassed()) {
     hypotheses_ = std::move(of_last_round);
+    with_camera_ = std::move(camera_of_last_round);
   }
 }
 

@@ -41,7 +41,8 @@ class Search {
 
   const PoseHypotheses& hypotheses() const { return hypotheses_; }
   // The context of the query. If its focal length is uncertain, with the camera that Run has found:
-  // that of the first round in which it is certain, or else that of all keypoints.
+  // that of the first round in which it is certain, or else that of all keypoints. Under a deadline
+  // it is the camera under which the hypotheses were found.
   const QueryContext& context() const { return with_camera_ ? *with_camera_ : stated_; }
   // The context in which a hypothesis was found.
   const QueryContext& ContextOf(const PoseHypothesis& hypothesis) const {

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/focal_length.h"
 #include "engine/mapped_streets.h"
 
 namespace cairn {
@@ -40,6 +41,30 @@ TEST_F(LocalizerDeadline, AnswersByTheDeadlineOrSaysTimeout) {
     const LocalizeResult result = localizer().Localize(query);
     if (result.localized) {
       ExpectPose(result, *world_, QueryPose(20.0), 0.1, 0.005);
+    } else {
+      EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout) << percent;
+    }
+  }
+}
+
+// The answer of an earlier round keeps the camera of that round.
+TEST_F(LocalizerDeadline, AnswersWithAnUncertainCameraByTheDeadlineOrSaysTimeout) {
+  LocalizerOptions options;
+  options.refinement.min_trusted_evidence = 1e6;  // Every round seeks the camera.
+  const Localizer doubtful = map_->WithOptions(options);
+  LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
+  query.camera = WithFocalScaled(query.camera, 1.3);
+  query.focal = FocalPrior{.log_sigma = 0.25};
+  doubtful.Localize(query);  // Loads the tiles.
+  const LocalizeResult unhurried = doubtful.Localize(query);
+  ExpectPose(unhurried, *world_, QueryPose(20.0), 0.1, 0.005);
+  for (int percent = 0; percent <= 120; percent += 10) {
+    query.deadline = std::chrono::steady_clock::now() +
+                     std::chrono::microseconds(
+                         static_cast<int64_t>(1e4 * percent * unhurried.times.total_seconds));
+    const LocalizeResult result = doubtful.Localize(query);
+    if (result.localized) {
+      ExpectPose(result, *world_, QueryPose(20.0), 0.5, 0.02);
     } else {
       EXPECT_EQ(result.reason, NotLocalizedReason::kTimeout) << percent;
     }
