@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kBusyTimeoutMs = 2000;
 constexpr float kDescriptorUnit = 512.0f;
-// Keypoints without a scale in the database count as small.
+// Smaller scales count as this one.
 constexpr float kMinScalePx = 0.01f;
 constexpr int64_t kMaxKeypoints = 2'000'000;
 constexpr int kMaxBlobBytes = 2'000'000 * kColmapDim;

@@ -30,6 +30,7 @@ NUM_ROUNDS = 12
 ERROR_PX_AT_500, MIN_ERROR_PX = 4.0, 2.0  # PoseOptions::max_error_px.
 COLUMNS = ("error_px", "keypoint_scale_px", "landmark_sigma_px", "sq_distance", "log_size",
            "orientation_rad", "azimuth_rad", "focal_px")
+SIZE_OFFSET = 1.1  # EvidenceModel::size_offset.
 START_ERROR = numpy.log([0.5, 0.1, 0.1, 1.5])
 START_TRAITS = numpy.concatenate([numpy.log([2.0, 4.0, 1.0, 1.0, 0.5, 0.2, 3.0]), [6.0, 3.0]])
 
@@ -84,11 +85,12 @@ def log_trait_ratio(inliers, parameters):
     distance, size, orientation, azimuth = numpy.exp(parameters[:4])
     size_scale, orientation_scale, azimuth_scale = numpy.exp(parameters[4:7])
     offset, orientation_offset = parameters[7:]
+    of_size = numpy.where(numpy.isnan(inliers["log_size"]), -SIZE_OFFSET,
+                          -size * numpy.log1p((inliers["log_size"] / size_scale)**2))
     known = inliers["orientation_rad"] >= 0
     of_orientation = orientation_offset - orientation * numpy.log1p(
         (inliers["orientation_rad"] / orientation_scale)**2)
-    return (offset - distance * inliers["sq_distance"] -
-            size * numpy.log1p((inliers["log_size"] / size_scale)**2) +
+    return (offset - distance * inliers["sq_distance"] + of_size +
             numpy.where(known, of_orientation, 0.0) -
             azimuth * numpy.log1p((inliers["azimuth_rad"] / azimuth_scale)**2))
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/features/sift/expected_grid.h"
 #include "core/features/sift/sift_descriptor.h"
 #include "core/features/sift/sift_orientation.h"
 #include "core/images/reduce_image.h"
@@ -71,10 +70,7 @@ SiftSearch::ToPicture SiftSearch::PictureFrom(const GrayImage& reduced, const Gr
 }
 
 SiftSearch::SiftSearch(const GrayImage& image, const SiftOptions& options, StopFunction should_stop)
-    : options_(options),
-      should_stop_(std::move(should_stop)),
-      picture_width_px_(image.picture_width_px()),
-      picture_height_px_(image.picture_height_px()) {
+    : options_(options), should_stop_(std::move(should_stop)) {
   options.Validate();
   const bool sized = image.width_px > 0 && image.height_px > 0;
   if (!sized || image.pixels.size() != static_cast<size_t>(image.width_px) * image.height_px) {
@@ -94,35 +90,11 @@ SiftSearch::SiftSearch(const GrayImage& image, const SiftOptions& options, StopF
 void SiftSearch::AddNextOctave(FeatureSet* features) {
   OctaveImage octave = std::move(octaves_.back());
   octaves_.pop_back();
-  AddOctave(
-      octave, [](const Keypoint& /*keypoint*/) { return true; }, features);
-  if (octave.pixel_px == 1.0 && num_features_ < kFewFeatures) {
-    octaves_.push_back(Doubled(octave.image));
-  }
-  if (!is_done() && (is_full() || is_stopped())) {
+  AddOctave(octave, features);
+  if (is_full() || is_stopped()) {
     octaves_.clear();
-  }
-}
-
-void SiftSearch::AddExpected(std::span<const ExpectedFeature> expected, FeatureSet* features) {
-  const ExpectedGrid grid(expected, picture_width_px_, picture_height_px_);
-  while (!is_done() && !is_doubled_next() && !is_full() && !is_stopped()) {
-    AddOctave(
-        octaves_.back(),
-        [&](const Keypoint& keypoint) {
-          return grid.Contains(keypoint.x_px, keypoint.y_px, keypoint.scale_px);
-        },
-        features);
-    octaves_.pop_back();
-  }
-  octaves_.clear();
-}
-
-void SiftSearch::SkipOctavesFrom(double pixel_px) {
-  // The pixels of octaves of one picture differ by factors of two.
-  constexpr double kRounding = 0.75;
-  while (!is_done() && octaves_.back().pixel_px * to_picture_.x_scale >= kRounding * pixel_px) {
-    octaves_.pop_back();
+  } else if (octave.pixel_px == 1.0 && num_features_ < kFewFeatures) {
+    octaves_.push_back(Doubled(octave.image));
   }
 }
 
@@ -134,9 +106,7 @@ Keypoint SiftSearch::KeypointOf(const SiftExtremum& extremum, const OctaveImage&
                                          std::sqrt(x_scale * y_scale))};
 }
 
-template <typename Wanted>
-void SiftSearch::AddOctave(const OctaveImage& octave_image, const Wanted& wanted,
-                           FeatureSet* features) {
+void SiftSearch::AddOctave(const OctaveImage& octave_image, FeatureSet* features) {
   const ScaleSpaceOctave octave = MakeScaleSpaceOctave(octave_image.image, octave_image.sigma_px,
                                                        octave_image.levels, should_stop_);
   if (is_stopped()) {
@@ -149,9 +119,6 @@ void SiftSearch::AddOctave(const OctaveImage& octave_image, const Wanted& wanted
   std::vector<float> descriptors;  // Row-major.
   for (const SiftExtremum& extremum : extrema) {
     Keypoint keypoint = KeypointOf(extremum, octave_image);
-    if (!wanted(keypoint)) {
-      continue;
-    }
     const SiftOrientations orientations = FindSiftOrientations(octave, extremum);
     for (int i = 0; i < orientations.num && !is_full(); ++i) {
       const float angle_rad = orientations.angles_rad[i];

@@ -2,10 +2,8 @@
 #ifndef CAIRN_CORE_FEATURES_SIFT_SIFT_SEARCH_H_
 #define CAIRN_CORE_FEATURES_SIFT_SIFT_SEARCH_H_
 
-#include <span>
 #include <vector>
 
-#include "core/expected_feature.h"
 #include "core/features.h"
 #include "core/features/sift/float_image.h"
 #include "core/features/sift/scale_space.h"
@@ -27,22 +25,10 @@ class SiftSearch {
   // True if there is no further step: the octaves have all been searched, there are max_features,
   // or the search was stopped.
   bool is_done() const { return octaves_.empty(); }
-  // True if the next step doubles the image.
-  bool is_doubled_next() const { return !octaves_.empty() && octaves_.back().pixel_px < 1.0; }
-  // The number of features that the search has added.
-  int num_features() const { return num_features_; }
 
   // Searches the next octave, which there must be, and adds its features behind those that
   // `features` has.
   void AddNextOctave(FeatureSet* features);
-
-  // Takes all steps that remain but for the doubled image, and adds only features that are
-  // expected. The search is done then. The time for orientations and descriptors, which is half of
-  // the time of an octave, is spent on these alone.
-  void AddExpected(std::span<const ExpectedFeature> expected, FeatureSet* features);
-
-  // Leaves out the octaves whose pixels have this side or a longer one, in pixels of the picture.
-  void SkipOctavesFrom(double pixel_px);
 
  private:
   // An image from which an octave is computed.
@@ -69,17 +55,14 @@ class SiftSearch {
   bool is_stopped() const { return should_stop_ && should_stop_(); }
   // The keypoint of an extremum, without orientation.
   Keypoint KeypointOf(const SiftExtremum& extremum, const OctaveImage& octave) const;
-  // Adds the largest keypoints of the octave first, as long as there is room. Only those for which
-  // wanted(keypoint) is true count.
-  template <typename Wanted>
-  void AddOctave(const OctaveImage& octave_image, const Wanted& wanted, FeatureSet* features);
+  // Adds the largest keypoints of the octave first, as long as there is room.
+  void AddOctave(const OctaveImage& octave_image, FeatureSet* features);
 
   const SiftOptions options_;
   const StopFunction should_stop_;
-  int picture_width_px_ = 0, picture_height_px_ = 0;
   ToPicture to_picture_;
   std::vector<OctaveImage> octaves_;  // Those that have not been searched; the next one is last.
-  int num_features_ = 0;
+  int num_features_ = 0;              // Those that the search has added.
 };
 
 }  // namespace cairn
