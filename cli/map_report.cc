@@ -218,6 +218,10 @@ double MedianOf(std::vector<double> values) {
   return values.empty() ? 0.0 : Median(std::move(values));
 }
 
+std::string Meters(double value_m) {
+  return value_m < 10.0 ? fmt::format("{:.2g} m", value_m) : fmt::format("{:.0f} m", value_m);
+}
+
 // A bar for each photo of the session: the level distance of its position from its camera.
 void AddChart(const PlannedWay& way, double top_px, Drawing* drawing) {
   std::vector<double> residuals_m;
@@ -249,12 +253,12 @@ void AddChart(const PlannedWay& way, double top_px, Drawing* drawing) {
   drawing->Line({left_px, y_of(median_m)}, {kWidthPx - kMarginPx, y_of(median_m)}, kReportPale,
                 0.7);
   const double label_x = left_px - 8.0;
-  drawing->Text({label_x, top_px + 9.0}, fmt::format("{:.2g} m", most_m), kCapitalPx, kReportPale,
+  drawing->Text({label_x, top_px + 9.0}, Meters(most_m), kCapitalPx, kReportPale,
                 LabelAnchor::kRight);
   // Not over the label of the largest.
   if (y_of(median_m) > top_px + 26.0) {
-    drawing->Text({label_x, y_of(median_m) + 4.0}, fmt::format("{:.2g} m", median_m), kCapitalPx,
-                  kReportPale, LabelAnchor::kRight);
+    drawing->Text({label_x, y_of(median_m) + 4.0}, Meters(median_m), kCapitalPx, kReportPale,
+                  LabelAnchor::kRight);
   }
 }
 
@@ -270,9 +274,8 @@ std::string Fate(const MapSessionResult& session) {
     return "stands where its positions say";
   }
   return fmt::format(
-      "{} of {} asked photos agree with the map: moved {:.2f} m, turned {:.2f} degrees, {:.4f} "
-      "times "
-      "as large, bent by up to {:.2f} m",
+      "{} of {} asked photos agree with the map: moved {:.2f} m, turned {:.2f} degrees, scaled by "
+      "{:.4f}, bent up to {:.2f} m",
       comparison.fit.num_agreeing, comparison.num_asked(), comparison.fit.moved_m,
       comparison.fit.turned_rad * kDegPerRad, comparison.fit.scale, comparison.largest_bend_m);
 }
@@ -359,15 +362,18 @@ Drawing DrawMapReport(const std::vector<MapSessionResult>& sessions) {
   const PlanFrame frame(ways, 74.0);
   const std::vector<std::string> reasons = ReasonLines(sessions);
   Drawing drawing(kWidthPx, HeightOf(sessions, frame, reasons.size()));
-  int num_photos = 0, num_mapped = 0;
+  int num_photos = 0, num_mapped = 0, num_failed = 0;
   for (const MapSessionResult& session : sessions) {
     num_photos += session.mapped.num_photos;
     num_mapped += session.mapped.num_mapped;
+    num_failed += session.is_mapped ? 0 : 1;
   }
-  drawing.Text({kMarginPx, 44.0},
-               fmt::format("{} of {} photos, {} session{}", num_mapped, num_photos, sessions.size(),
-                           sessions.size() == 1 ? "" : "s"),
-               kTitleCapitalPx, kReportInk);
+  drawing.Text(
+      {kMarginPx, 44.0},
+      fmt::format("{} of {} photos, {} session{}{}", num_mapped, num_photos, sessions.size(),
+                  sessions.size() == 1 ? "" : "s",
+                  num_failed > 0 ? fmt::format(", {} of them without a model", num_failed) : ""),
+      kTitleCapitalPx, kReportInk);
   AddPlan(ways, frame, &drawing);
   double y = frame.bottom_px() + kLinePx;
   double x = AddLegendEntry(kMarginPx, y, kPositionColor, false, "positions (before)", &drawing);

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -162,15 +163,30 @@ IngestProgress ForSession(const IngestProgress& progress, const std::string& nam
                   : fmt::format("{}. The map has these sessions already: {}", error.what(), names));
 }
 
+// Makes a map, or leaves nothing: neither the map nor the files in `archived`.
+void CreateWithArchive(const std::string& path, const std::function<void(MapStore*)>& fill,
+                       const std::vector<std::string>& archived) {
+  try {
+    MapStore::CreateFilled(path, fill);
+  } catch (...) {
+    DeleteArchived(archived);
+    throw;
+  }
+}
+
 // Publishes the sessions in the map, which is made if there is none yet: then there is all of it or
 // nothing.
 void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
              const IngestProgress& progress, std::vector<MapSessionResult>* sessions) {
+  std::vector<std::string> archived;
   const auto publish = [&](MapStore* store) {
     const auto publish_one = [&](const PlacedReconstruction& session) {
       CheckReplacement(store->Snapshot(), session, HasSessionName(arguments.session));
       const std::unique_ptr<SessionArchive> archive =
           OpenSessionArchive(arguments.archive_path, session.options.session_name, *store);
+      if (archive != nullptr) {
+        archive->ListFilesIn(&archived);
+      }
       return IngestPlaced(session, arguments.session.options, archive.get(),
                           ForSession(progress, session.options.session_name, sessions->size()),
                           store);
@@ -178,7 +194,7 @@ void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
     PublishInTurn(publish_one, store->Snapshot().Sessions().empty(), sessions);
   };
   if (!*map) {
-    MapStore::CreateFilled(arguments.session.map_path, publish);
+    CreateWithArchive(arguments.session.map_path, publish, archived);
     return;
   }
   try {
@@ -244,13 +260,14 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
   return result;
 }
 
-// As MapFolder, but what the folder's photos are to blame for is a problem of this session.
+// As MapFolder, but what the folder's photos are to blame for is a problem of this session, and so
+// is an adjustment that fails.
 MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
                               const IngestProgress& progress) {
   try {
-    return MapFolder(arguments, input, /*one_segment=*/true, progress);
+    return MapFolder(arguments, input, /*one_segment=*/!arguments.session.apart, progress);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::kBadInput) {
+    if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
       throw;
     }
     MapSessionResult failed;

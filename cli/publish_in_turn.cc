@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "ingest/session_refused.h"
 
 namespace cairn {
 namespace {
@@ -20,10 +21,7 @@ bool TryPublish(const PublishOne& publish, Unanchored unanchored, MapSessionResu
   }
   try {
     session->report = publish(session->session);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kConflict) {
-      throw;
-    }
+  } catch (const SessionRefused& error) {
     session->problem = error.what();
     return false;
   }

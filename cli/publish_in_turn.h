@@ -34,7 +34,7 @@ void SortSessions(std::vector<MapSessionResult>* sessions);
 // first one that is anchored in what the map has is next; if none is (`map_is_empty` says that
 // there is nothing yet), the first one that may stand by its positions. So a session that reaches
 // over new ground waits for those that connect it. A session that the map refuses
-// (Error(kConflict)) is tried again when the map has grown, and else keeps the refusal as its
+// (SessionRefused) is tried again when the map has grown, and else keeps the refusal as its
 // problem. A session that is alone is tried once, and its refusal thrown. If no session is
 // published, throws Error with the problems of all: kConflict if the map refused one, else
 // kBadInput.

@@ -85,6 +85,9 @@ void SessionArchive::Stage(const PlannedSession& planned, const Sim3d& ecef_from
   }
   folder_.Stage(manifest, *planned.reconstruction);
   is_staged_ = true;
+  if (paths_ != nullptr) {
+    paths_->push_back(folder_.files().back().path);
+  }
 }
 
 void SessionArchive::Commit() {

@@ -3,6 +3,7 @@
 #define CAIRN_CLI_SESSION_ARCHIVE_H_
 
 #include <string>
+#include <vector>
 
 #include "cli/options/cairn_options.h"
 #include "core/rigid3.h"
@@ -19,6 +20,9 @@ class SessionArchive {
   // ArchiveFolder and ArchiveFolder::Recover.
   SessionArchive(const std::string& path, const std::string& session_name, const MapStore& map);
 
+  // Stage appends to `paths`, which outlives this object, the name that its file gets by Commit.
+  void ListFilesIn(std::vector<std::string>* paths) { paths_ = paths; }
+
   // Call it before the session is published. Writes the session to the disk, unless the archive has
   // it. Of `options`, the section of the ingest counts. Throws Error(kConflict) if the map has the
   // session already, and the archive has a session that the map got later, or the options would
@@ -34,6 +38,7 @@ class SessionArchive {
 
  private:
   ArchiveFolder folder_;
+  std::vector<std::string>* paths_ = nullptr;
   bool is_staged_ = false;
   std::string file_;
 };

@@ -10,9 +10,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
+#include "ingest/session_refused.h"
 
 namespace cairn {
 namespace {
@@ -79,8 +79,7 @@ void CheckReplacement(const MapSnapshot& map, const PlacedReconstruction& sessio
         Excerpt(name), relation.num_keyframes, DistanceText(relation.distance_m));
   }
   if (!name_was_given && 2 * relation.num_same < relation.num_keyframes) {
-    throw Error(
-        ErrorCode::kConflict,
+    throw SessionRefused(
         fmt::format("the map has a session '{0}' already, with {1} other photos, the nearest {2} "
                     "away. '{0}' is the name of the database's folder, which is the default. Give "
                     "this session a name of its own (--session NAME), or replace that session "

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
+#include "ingest/session_refused.h"
 #include "storage/tile/content_digest.h"
 
 namespace cairn {
@@ -212,16 +212,14 @@ void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,
       continue;
     }
     if (AreOneRecording(session, other)) {
-      throw Error(
-          ErrorCode::kConflict,
+      throw SessionRefused(
           fmt::format("the map has the same reconstruction as session '{}'; keep it apart from "
                       "what the map knows (--apart) if it belongs there twice",
                       Excerpt(other.name)));
     }
     const SharedPhotos shared = CountSharedPhotos(session, other);
     if (!AreMostlyNew(shared)) {
-      throw Error(
-          ErrorCode::kConflict,
+      throw SessionRefused(
           fmt::format("{} of the {} photos that were compared are in the map already: session "
                       "'{}' has photos with the same features. Leave them out (--images), replace "
                       "that session (--session), or keep this one apart from what the map knows "

@@ -47,7 +47,7 @@ bool AreMostlyNew(const SharedPhotos& shared);
 // Returns true if the sessions hold the same reconstruction, however each was placed and ingested.
 bool AreOneRecording(const SessionRecord& a, const SessionRecord& b);
 
-// Throws Error(kConflict) if one of `sessions` has another name than `session` and the same content
+// Throws SessionRefused if one of `sessions` has another name than `session` and the same content
 // or many of its photos, unless the session is kept apart.
 void RequireNotElsewhere(const SessionRecord& session, SessionJoining joining,
                          const std::vector<SessionRecord>& sessions);

@@ -7,16 +7,15 @@
 #include <string>
 
 #include "core/angles.h"
-#include "core/error.h"
 #include "core/radius68.h"
+#include "ingest/session_refused.h"
 
 namespace cairn {
 namespace {
 
 [[noreturn]] void Refuse(const std::string& newcomer, const std::string& figures,
                          const std::string& remedy) {
-  throw Error(
-      ErrorCode::kConflict,
+  throw SessionRefused(
       fmt::format("{} contradicts the map: {}. {}, or keep it apart from what the map knows "
                   "(--apart)",
                   newcomer, figures, remedy));
@@ -146,8 +145,7 @@ void RequireAnchored(const MapComparison& comparison, const AgreementOptions& op
       (IsAnchored(comparison.anchoring) && IsJudged(comparison))) {
     return;
   }
-  throw Error(
-      ErrorCode::kConflict,
+  throw SessionRefused(
       fmt::format("{} is not anchored: {}. It was placed by nothing. Take more photos of what the "
                   "map shows, or keep it apart from what the map knows, where its positions say "
                   "(--apart)",
@@ -254,8 +252,7 @@ void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
   constexpr int kFew = 2;  // As many answers may get lost by chance.
   if (answers.num_lost > kFew &&
       answers.num_lost > options.max_lost_share * static_cast<double>(answers.num_asked)) {
-    throw Error(
-        ErrorCode::kConflict,
+    throw SessionRefused(
         fmt::format("{} was not published: with it, the map no longer localizes {} of {} of its "
                     "own keyframes near by (allowed: {:.0f} %), so it probably stands in the "
                     "wrong place. Correct its georegistration, or publish it all the same "

@@ -41,14 +41,14 @@ struct MotionLimits {
 MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& options,
                       const PositionAccuracies& accuracy);
 
-// Throws Error(kConflict), with the figures of the disagreement and what to do, if a session or
+// Throws SessionRefused, with the figures of the disagreement and what to do, if a session or
 // another map contradicts the map: the map recognizes none of its photos, or recognizes them
 // mirrored, elsewhere, turned, of another size or in places that fit no motion; or if
 // it is not anchored, as AgreementOptions::unanchored asks for. `newcomer` names it.
 void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
                       const PositionAccuracies& accuracy, const std::string& newcomer);
 
-// Throws Error(kConflict), with the figures and what to do, if the answers lost are more than two
+// Throws SessionRefused, with the figures and what to do, if the answers lost are more than two
 // and more than the options allow. `newcomer` names what the update adds.
 void RequireAnswers(const KeyframeAnswers& answers, const GateOptions& options,
                     const std::string& newcomer);

@@ -349,6 +349,14 @@ void ArchiveFolder::DeleteReplaced(const SessionKey& session) {
   });
 }
 
+void DeleteArchived(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    fs::remove(path + kUnfinished, ignored);
+  }
+}
+
 ArchivedSession ReadArchivedSession(const std::string& path) {
   std::ifstream file = OpenFile(path);
   return DecodeSession(&file, path);

@@ -88,6 +88,10 @@ class ArchiveFolder {
   std::string staged_;  // The name that the staged file will have; empty if there is none.
 };
 
+// Deletes files that ingests into a map wrote, finished or not; for a map that was not made after
+// all. `paths` are those of the finished files. Does not fail.
+void DeleteArchived(const std::vector<std::string>& paths);
+
 // Reads a session. Throws Error(kMapDamaged), and Error(kIo) if the file cannot be read.
 ArchivedSession ReadArchivedSession(const std::string& path);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <set>
 
 #include "core/error.h"
 #include "ingest/place/position_checks.h"
@@ -14,16 +15,20 @@ namespace {
 constexpr size_t kMinPositions = 3;
 
 // The photos of all folders of the table are compared with its names, so that a name that could be
-// of two folders is noticed.
-std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input) {
+// of two folders is noticed. Photos that cannot be read are not in `set`, and have no position.
+std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input, const PhotoSet& set) {
   std::vector<std::string> names;
   for (const PhotoFile& file : FindPhotoFiles(input.table_paths)) {
     names.push_back(file.name);
   }
   const std::string prefix = PrefixOfPhotos(input.paths.front());
+  std::set<std::string> own_names;
+  for (const MappingPhoto& photo : set.photos) {
+    own_names.insert(prefix + photo.name);
+  }
   std::vector<CameraPosition> own;
   for (CameraPosition& position : ReadPositionsOfPhotos(input.positions_path, names)) {
-    if (position.image_name.starts_with(prefix)) {
+    if (own_names.contains(position.image_name)) {
       position.image_name.erase(0, prefix.size());
       own.push_back(std::move(position));
     }
@@ -33,7 +38,7 @@ std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input) {
 
 std::vector<CameraPosition> PositionsOfTable(const MapPhotosInput& input, const PhotoSet& set) {
   if (input.table_paths.size() > 1) {
-    return PositionsOfFolders(input);
+    return PositionsOfFolders(input, set);
   }
   std::vector<std::string> names;
   for (const MappingPhoto& photo : set.photos) {

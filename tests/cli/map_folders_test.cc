@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 using testing::PhotoScene;
 using testing::Shot;
+using ::testing::StartsWith;
 
 class MapFolders : public ::testing::Test {
  protected:
@@ -32,10 +35,9 @@ class MapFolders : public ::testing::Test {
     testing::WriteFolder(PhotoScene(7), monday, dir_.path() / "monday");
   }
 
-  MapSessionArguments Arguments(const std::vector<std::string>& folders,
-                                const std::string& map_name = "town.gpkg") const {
+  MapSessionArguments Arguments(const std::vector<std::string>& folders) const {
     MapSessionArguments arguments;
-    arguments.session.map_path = dir_.File(map_name);
+    arguments.session.map_path = dir_.File("town.gpkg");
     arguments.session.options.mapping.sift.max_features = 1000;
     arguments.session.options.ingest.num_threads = 2;
     arguments.session.options.ingest.recorded_at = "2026-01-31T12:00:00Z";
@@ -46,9 +48,13 @@ class MapFolders : public ::testing::Test {
     return arguments;
   }
 
-  std::vector<MapSessionResult> Map(const std::vector<std::string>& folders,
-                                    const std::string& map_name = "town.gpkg") const {
-    return MakeMapSessions(Arguments(folders, map_name), {});
+  std::vector<MapSessionResult> Map(const std::vector<std::string>& folders) const {
+    return MakeMapSessions(Arguments(folders), {});
+  }
+
+  std::string ReadAll(const std::string& name) const {
+    std::ifstream file(dir_.File(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
   }
 
   testing::TempDir dir_;
@@ -66,6 +72,26 @@ TEST_F(MapFolders, WithoutAModelKeepNoOtherOut) {
   EXPECT_EQ(sessions[1].name, "blurred");
   EXPECT_FALSE(sessions[1].is_mapped);
   EXPECT_THAT(sessions[1].problem, HasSubstr("none of the 4 photos can be read"));
+  const std::string svg = ReadAll("w/report.svg");
+  EXPECT_THAT(svg, StartsWith("<svg"));
+  EXPECT_THAT(svg, HasSubstr(">tuesday</text>"));
+  EXPECT_THAT(svg, HasSubstr(">blurred</text>"));
+  EXPECT_THAT(svg, HasSubstr("2 sessions, 1 of them without a model"));
+  EXPECT_THAT(ReadAll("w/report.png"), StartsWith("\x89PNG"));
+}
+
+TEST_F(MapFolders, LeaveNothingInTheArchiveOfAMapThatIsNotMade) {
+  MapSessionArguments arguments = Arguments({"tuesday"});
+  arguments.archive_path = dir_.File("archive");
+  std::filesystem::create_directory(arguments.archive_path);
+  const auto take_name = [&](const char* phase, int64_t, int64_t) {
+    if (std::string(phase) == "tiles") {
+      std::ofstream(arguments.session.map_path) << "of another program";
+    }
+  };
+  testing::ExpectError([&] { MakeMapSessions(arguments, take_name); }, ErrorCode::kConflict,
+                       "already exists");
+  EXPECT_TRUE(std::filesystem::is_empty(arguments.archive_path));
 }
 
 TEST_F(MapFolders, OfOneNameAreRefused) {
