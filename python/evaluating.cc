@@ -44,7 +44,8 @@ EvaluateArguments ArgumentsOf(const py::object& path, const py::kwargs& keywords
   queries.image_list_path = PathOrEmpty("images", keywords["images"]);
   queries.image_dir = PathOrEmpty("image_dir", keywords["image_dir"]);
   if (queries.query_list_path.empty() == queries.reconstruction.model_dir.empty()) {
-    RefuseArgument("queries", "give either a query list, or model and database");
+    RefuseArgument("queries",
+                   "give either a query list or a model, with its database or image_dir");
   }
   arguments.noise = arguments.options.noise;
   arguments.noise.with_prior = FlagOf("with_prior", keywords["with_prior"]);

@@ -37,7 +37,8 @@ def evaluate(
 
     queries: a query list (docs/formats/query_list_v1.md); or
     model, database: a COLMAP model whose images that the map does not have are the queries. It is
-        placed by the images that it shares with the map, or else by gps or georef.
+        placed by the images that it shares with the map, or else by gps or georef. Without a
+        database, the features are extracted from the photos in image_dir.
     images: file with the names of the images to ask; image_dir: folder of the photos.
     with_prior, with_gravity: whether queries have a rough position and gravity, made from the true
         poses with noise (options: {'noise': ...}); given_priors: those of the list, unchanged.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "core/keypoint_shape.h"
@@ -249,6 +250,39 @@ TEST_F(ColmapReader, RefusesAnUnknownCameraModel) {
   const auto [code, message] = ErrorOf([&] { ReadColmap(input); });
   EXPECT_EQ(code, ErrorCode::kBadInput);
   EXPECT_THAT(message, HasSubstr("cameras.bin"));
+  EXPECT_THAT(message, HasSubstr("EUCM) is not supported"));
+}
+
+TEST_F(ColmapReader, ReadsPosesWithoutADatabase) {
+  Reconstruction written = StreetReconstruction();
+  std::swap(written.images.front().name, written.images.back().name);  // Not by name in the file.
+  const ColmapInput input = Write(written);
+  const Reconstruction whole = ReadColmap(input);
+  std::filesystem::remove(input.database_path);
+  const Reconstruction poses = ReadColmapPoses(input.model_dir);
+  ASSERT_EQ(poses.cameras.size(), whole.cameras.size());
+  EXPECT_EQ(poses.cameras[0].params(), whole.cameras[0].params());
+  ASSERT_EQ(poses.images.size(), whole.images.size());
+  for (size_t i = 0; i < poses.images.size(); ++i) {
+    const ReconImage& a = poses.images[i];
+    const ReconImage& b = whole.images[i];
+    EXPECT_TRUE(i == 0 || poses.images[i - 1].name < a.name);
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.camera_idx, b.camera_idx);
+    EXPECT_EQ(a.cam_from_world.translation, b.cam_from_world.translation);
+    EXPECT_EQ(a.cam_from_world.rotation.coeffs(), b.cam_from_world.rotation.coeffs());
+    EXPECT_EQ(a.features.size(), 0);
+  }
+  EXPECT_TRUE(poses.landmarks.empty());
+}
+
+TEST_F(ColmapReader, RefusesPosesOfAnUnknownCameraModel) {
+  const ColmapInput input = Write(TinyModel());
+  std::string bytes = ReadAll(dir_.File("cameras.bin"));
+  bytes[12] = 16;
+  WriteAll(dir_.File("cameras.bin"), bytes);
+  const auto [code, message] = ErrorOf([&] { ReadColmapPoses(input.model_dir); });
+  EXPECT_EQ(code, ErrorCode::kBadInput);
   EXPECT_THAT(message, HasSubstr("EUCM) is not supported"));
 }
 
