@@ -27,17 +27,29 @@ KnownTiles::KnownTiles(const MapSnapshot& map, SessionId without)
   }
 }
 
-std::shared_ptr<const Tile> KnownTiles::Decoded(const TileRecord& record) const {
-  return decoded_.GetOrLoad(record.digest, [&] {
-    Tile tile = DecodeTile(map_.LoadPayload(record.payload_id));
-    return std::make_shared<const Tile>(
-        HasChanged(record.tile_id) ? WithoutSession(std::move(tile), without_) : std::move(tile));
+std::shared_ptr<const KnownTiles::Known> KnownTiles::Decoded(const TileRecord& stored) const {
+  return decoded_.GetOrLoad(stored.digest, [&] {
+    Known known;
+    known.tile = DecodeTile(map_.LoadPayload(stored.payload_id));
+    if (HasChanged(stored.tile_id)) {
+      known.tile = WithoutSession(std::move(known.tile), without_);
+      if (!IsEmpty(known.tile)) {
+        known.record = DescribeTile(known.tile);
+        known.record->payload_id = stored.payload_id;
+        known.record->digest = stored.digest;  // Of what the tile is made from.
+      }
+    }
+    return std::make_shared<const Known>(std::move(known));
   });
 }
 
 std::shared_ptr<const Tile> KnownTiles::Find(TileId tile_id) const {
   const std::optional<TileRecord> record = map_.FindTile(tile_id);
-  return record ? Decoded(*record) : nullptr;
+  if (!record) {
+    return nullptr;
+  }
+  const std::shared_ptr<const Known> known = Decoded(*record);
+  return {known, &known->tile};
 }
 
 std::vector<TileRecord> KnownTiles::FindTiles(const GeoBox& box) const {
@@ -47,12 +59,9 @@ std::vector<TileRecord> KnownTiles::FindTiles(const GeoBox& box) const {
       known.push_back(std::move(stored));
       continue;
     }
-    const std::shared_ptr<const Tile> tile = Decoded(stored);
-    if (!IsEmpty(*tile)) {
-      TileRecord record = DescribeTile(*tile);
-      record.payload_id = stored.payload_id;
-      record.digest = stored.digest;  // Of what the tile is made from.
-      known.push_back(std::move(record));
+    const std::shared_ptr<const Known> decoded = Decoded(stored);
+    if (decoded->record) {
+      known.push_back(*decoded->record);
     }
   }
   return known;
@@ -61,7 +70,8 @@ std::vector<TileRecord> KnownTiles::FindTiles(const GeoBox& box) const {
 StoredTile KnownTiles::LoadTile(const TileRecord& record) const {
   StoredTile tile = stored_.LoadTile(record);
   if (HasChanged(record.tile_id)) {
-    const std::vector<uint8_t> payload = EncodeForMap(*Decoded(record), *CurrentCodebook()).payload;
+    const std::vector<uint8_t> payload =
+        EncodeForMap(Decoded(record)->tile, *CurrentCodebook()).payload;
     tile.payload.assign(payload.begin(), payload.end());
   }
   return tile;

@@ -2,7 +2,9 @@
 #ifndef CAIRN_INGEST_PLACE_KNOWN_TILES_H_
 #define CAIRN_INGEST_PLACE_KNOWN_TILES_H_
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -33,14 +35,21 @@ class KnownTiles : public MapTiles {
   StoredTile LoadTile(const TileRecord& record) const override;
 
  private:
-  std::shared_ptr<const Tile> Decoded(const TileRecord& record) const;
+  struct Known {
+    Tile tile;
+    std::optional<TileRecord> record;  // Of a changed tile that is not empty.
+
+    size_t MemoryBytes() const { return tile.MemoryBytes(); }
+  };
+
+  std::shared_ptr<const Known> Decoded(const TileRecord& stored) const;
   bool HasChanged(TileId tile_id) const { return changed_.contains(tile_id); }
 
   const MapSnapshot& map_;
   const SnapshotTiles stored_;
   const SessionId without_;
   std::set<TileId> changed_;  // The tiles that hold the session.
-  mutable LoadingCache<Tile> decoded_;
+  mutable LoadingCache<Known> decoded_;
 };
 
 }  // namespace cairn

@@ -50,6 +50,7 @@ UpView ViewOf(const ReconImage& image, const std::optional<int>& orientation,
   if (by_user) {
     view.stated = by_user;
     view.trust = kTrustInUser;
+    view.is_by_user = true;
     return view;
   }
   if (orientation) {

@@ -96,11 +96,14 @@ double LogOfSum(double a, double b) {
   return larger + std::log(std::exp(a - larger) + std::exp(b - larger));
 }
 
-// Probability that a sensor states what it does of a photo that was held as `hold`.
+// Probability that a sensor or a user states what it does of a photo that was held as `hold`.
 double StatementLikelihood(const UpView& view, size_t hold) {
   constexpr double kAny = 0.25;
-  if (!view.stated || hold >= static_cast<size_t>(PictureUp::kBack)) {
-    return view.stated ? kAny : 1.0;
+  if (!view.stated) {
+    return 1.0;
+  }
+  if (!view.is_by_user && hold >= static_cast<size_t>(PictureUp::kBack)) {
+    return kAny;
   }
   const bool is_same = static_cast<size_t>(*view.stated) == hold;
   return (is_same ? view.trust : 0.0) + (1.0 - view.trust) * kAny;
@@ -154,17 +157,20 @@ void UpEvidence::PreparePositions() {
 
 void UpEvidence::PrepareStatements() {
   std::optional<PictureUp> first;
-  bool is_mixed = false;
+  bool is_mixed = false, is_by_user = false;
   for (const UpView& view : problem_.views) {
     if (view.stated) {
       is_mixed = is_mixed || *view.stated != first.value_or(*view.stated);
       first = view.stated;
+      is_by_user = is_by_user || view.is_by_user;
     }
   }
   has_stated_ = first.has_value();
   if (has_stated_) {
     made_up_ = is_mixed ? kMadeUpMixed : kMadeUp[static_cast<size_t>(*first)];
-    said_from_above_ = is_mixed ? kSaidFromAboveMixed : kSaidFromAbove[static_cast<size_t>(*first)];
+    said_from_above_ = is_by_user ? 0.0
+                       : is_mixed ? kSaidFromAboveMixed
+                                  : kSaidFromAbove[static_cast<size_t>(*first)];
   }
 }
 

@@ -18,7 +18,8 @@ namespace cairn {
 struct UpView {
   Eigen::Quaterniond cam_from_world = Eigen::Quaterniond::Identity();
   std::optional<PictureUp> stated;  // By the EXIF or the user.
-  double trust = 0.0;  // Probability that `stated` is right if a sensor or a user stated it.
+  double trust = 0.0;       // Probability that `stated` is right if a sensor or a user stated it.
+  bool is_by_user = false;  // A user knows how a camera was held that looks down, too.
   std::optional<Eigen::Vector3d> up_in_cam;  // Measured by an accelerometer; a unit vector.
 };
 

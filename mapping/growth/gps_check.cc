@@ -207,6 +207,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
     line_in_enu_ = FitLine(kept, fit, &across_m_);
     for (const Fix& fix : fixes) {
       misses_.push_back({fix.photo, (fit * fix.in_world - fix.in_enu).head<2>(),
+                         fix.in_enu.head<2>(),
                          fix.sigma_m * NoiseOf(fix, 1.0, noise_of_unstated_)});
     }
     std::sort(misses_.begin(), misses_.end(),
@@ -237,17 +238,20 @@ std::vector<int> GpsCheck::BeyondStep() const {
   for (int i = kMinStepPhotos; i + kMinStepPhotos <= count; ++i) {
     const int num_before = std::min(i, kMaxStepPhotos);
     const int num_after = std::min(count - i, kMaxStepPhotos);
-    Eigen::Vector2d step_m = Eigen::Vector2d::Zero();
+    Eigen::Vector2d step_m = Eigen::Vector2d::Zero(), way_m = Eigen::Vector2d::Zero();
     double sq_sigma_m = 0.0;
     const auto add = [&](int first, int number, double sign) {
       for (int k = first; k < first + number; ++k) {
         step_m += sign / number * misses_[k].error_m;
+        way_m += sign / number * misses_[k].in_enu;
         sq_sigma_m += std::pow(std::max(noise_m, misses_[k].sigma_m) / number, 2);
       }
     };
     add(i - num_before, num_before, -1.0);
     add(i, num_after, 1.0);
-    const double share = step_m.norm() / (kMaxStepSigmas * std::sqrt(sq_sigma_m) + kDriftM);
+    const double limit_m =
+        kMaxStepSigmas * std::sqrt(sq_sigma_m) + kDriftM + kDriftShare * way_m.norm();
+    const double share = step_m.norm() / limit_m;
     if (share > most) {
       most = share;
       worst = i;

@@ -44,7 +44,8 @@ class GpsCheck {
   struct Miss {
     int photo = 0;
     Eigen::Vector2d error_m;
-    double sigma_m = 0.0;  // Of the position, an axis.
+    Eigen::Vector2d in_enu;  // The position.
+    double sigma_m = 0.0;    // Of the position, an axis.
   };
 
   // The noise an axis that photos in a row show, whatever steps there are between some of them.

@@ -23,7 +23,7 @@ constexpr int kNumSteps = kHighest - kLowest + 1;
 // distortion allows.
 constexpr size_t kMaxInliers = 150;
 // Pairs of one camera that are looked at.
-constexpr int kMaxPairsOfCamera = 30;
+constexpr int kMaxPairsOfCamera = 60;
 // Half the robust squared error (RefineRelativePose) that a right match has on average.
 constexpr double kExpectedCost = 0.35;
 // Distortion and the principal point are unknown, too, and their errors are the same in all matches
@@ -330,7 +330,7 @@ std::vector<std::pair<int, int>> PairsForCalibration(const PhotoSet& set,
     bool is_wanted = false;
     for (const int camera : cameras_of(pair)) {
       const int64_t seen = num_seen[camera]++;
-      const int64_t wanted = std::min(num_of_camera[camera], 2 * kMaxPairsOfCamera);
+      const int64_t wanted = std::min(num_of_camera[camera], kMaxPairsOfCamera);
       is_wanted = is_wanted ||
                   (IsGuess(set.cameras[camera]) && (seen + 1) * wanted / num_of_camera[camera] >
                                                        seen * wanted / num_of_camera[camera]);

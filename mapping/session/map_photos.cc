@@ -184,15 +184,19 @@ void Mapper::Calibrate() {
     return;
   }
   if (work_) {
+    StageClock clock("focal lengths", &result_.stages);
     if (const auto stored = work_->Load("cameras", views_key_)) {
       folder_.set.cameras = DecodeCameras(*stored, folder_.set, work_->PathOf("cameras"));
+      clock.End(true);
       return;
     }
   }
   FindPairsOnce();
   const std::vector<TwoView> views =
       Match("calibration", "focal", PairsForCalibration(folder_.set, *pairs_));
+  StageClock clock("focal lengths", &result_.stages);
   folder_.set.cameras = CalibrateGuesses(folder_.set, views, input_.num_threads);
+  clock.End(false);
   if (work_) {
     work_->Store("cameras", views_key_, EncodeCameras(folder_.set.cameras));
   }

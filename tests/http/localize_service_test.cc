@@ -61,21 +61,19 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   std::vector<std::thread> threads;
   for (int i = 0; i < num_cores; ++i) {
     threads.emplace_back([&] {
-      LocalizeRequest read;
-      EXPECT_THROW(service.Localize(Request(LongBody("{}")), ParseWhenAllowed, &read), HttpError);
+      EXPECT_THROW(service.Localize(Request(LongBody("{}")), ParseWhenAllowed), HttpError);
     });
   }
   {
     std::unique_lock<std::mutex> lock(parsing.mutex);
     parsing.changed.wait(lock, [&] { return parsing.num_waiting == num_cores; });
   }
-  LocalizeRequest read;
   const HttpRequest late = Request(LongBody("{\"timeoutMs\":1}"));
-  const LocalizeService::Answer answer = service.Localize(late, CountAndRefuse, &read);
+  const LocalizeService::Answer answer = service.Localize(late, CountAndRefuse);
   EXPECT_FALSE(answer.result.localized);
   EXPECT_EQ(answer.result.reason, NotLocalizedReason::kTimeout);
   EXPECT_EQ(num_parsed, 0);
-  EXPECT_THROW(service.Localize(Request("{}"), CountAndRefuse, &read), HttpError);
+  EXPECT_THROW(service.Localize(Request("{}"), CountAndRefuse), HttpError);
   EXPECT_EQ(num_parsed, 1);  // Short JSON is refused without waiting.
   {
     const std::lock_guard<std::mutex> lock(parsing.mutex);
@@ -85,7 +83,7 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   for (std::thread& thread : threads) {
     thread.join();
   }
-  EXPECT_THROW(service.Localize(late, CountAndRefuse, &read), HttpError);  // The turns are free.
+  EXPECT_THROW(service.Localize(late, CountAndRefuse), HttpError);  // The turns are free.
 }
 
 TEST_F(HttpLocalizeService, TooManyWaitingRequestsAreRefused) {
@@ -100,11 +98,10 @@ TEST_F(HttpLocalizeService, TooManyWaitingRequestsAreRefused) {
   while (service.num_waiting() == 0) {
     std::this_thread::yield();
   }
-  LocalizeRequest read;
   for (const bool is_query : {true, false}) {
     try {
       if (is_query) {
-        service.Localize(Request(LongBody("{}")), CountAndRefuse, &read);
+        service.Localize(Request(LongBody("{}")), CountAndRefuse);
       } else {
         service.WaitForTurn(Request(""));
       }
@@ -127,30 +124,27 @@ TEST_F(HttpLocalizeService, TheOperatorLimitsTheTimeOfAQuery) {
   ServerOptions options = Options();
   options.max_timeout_ms = 500;
   LocalizeService service(options);
-  LocalizeRequest read;
   HttpRequest request = Request(kWithImage);  // Asks for 1,000 ms.
   request.arrival -= std::chrono::milliseconds(501);
-  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest, &read).result.reason,
+  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest).result.reason,
             NotLocalizedReason::kTimeout);
 }
 
 TEST_F(HttpLocalizeService, ImagesAreNotDecodedAfterTheDeadline) {
   LocalizeService service(Options());
-  LocalizeRequest read;
   HttpRequest request = Request(kWithImage);
   request.arrival -= std::chrono::milliseconds(1001);
-  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest, &read).result.reason,
+  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest).result.reason,
             NotLocalizedReason::kTimeout);
 }
 
 TEST_F(HttpLocalizeService, ImagesAreNotDecodedWhenTheServerStops) {
   LocalizeService service(Options());
-  LocalizeRequest read;
-  EXPECT_EQ(service.Localize(Request(kWithImage), ParseLocalizeRequest, &read).result.reason,
+  EXPECT_EQ(service.Localize(Request(kWithImage), ParseLocalizeRequest).result.reason,
             NotLocalizedReason::kTooFewFeatures);
   service.BeginStop();
   try {
-    service.Localize(Request(kWithImage), ParseLocalizeRequest, &read);
+    service.Localize(Request(kWithImage), ParseLocalizeRequest);
     FAIL();
   } catch (const HttpError& e) {
     EXPECT_EQ(e.problem(), ProblemCode::kUnavailable);
