@@ -99,11 +99,8 @@ double LogOfSum(double a, double b) {
 // Probability that a sensor or a user states what it does of a photo that was held as `hold`.
 double StatementLikelihood(const UpView& view, size_t hold) {
   constexpr double kAny = 0.25;
-  if (!view.stated) {
-    return 1.0;
-  }
-  if (!view.is_by_user && hold >= static_cast<size_t>(PictureUp::kBack)) {
-    return kAny;
+  if (!view.stated || (!view.is_by_user && hold >= static_cast<size_t>(PictureUp::kBack))) {
+    return view.stated ? kAny : 1.0;
   }
   const bool is_same = static_cast<size_t>(*view.stated) == hold;
   return (is_same ? view.trust : 0.0) + (1.0 - view.trust) * kAny;
@@ -157,20 +154,20 @@ void UpEvidence::PreparePositions() {
 
 void UpEvidence::PrepareStatements() {
   std::optional<PictureUp> first;
-  bool is_mixed = false, is_by_user = false;
+  bool is_mixed = false;
   for (const UpView& view : problem_.views) {
     if (view.stated) {
       is_mixed = is_mixed || *view.stated != first.value_or(*view.stated);
       first = view.stated;
-      is_by_user = is_by_user || view.is_by_user;
     }
   }
   has_stated_ = first.has_value();
   if (has_stated_) {
     made_up_ = is_mixed ? kMadeUpMixed : kMadeUp[static_cast<size_t>(*first)];
-    said_from_above_ = is_by_user ? 0.0
-                       : is_mixed ? kSaidFromAboveMixed
-                                  : kSaidFromAbove[static_cast<size_t>(*first)];
+    said_from_above_ = is_mixed ? kSaidFromAboveMixed : kSaidFromAbove[static_cast<size_t>(*first)];
+  }
+  if (has_stated_ && problem_.views.front().is_by_user) {  // Then all of them are.
+    said_from_above_ = 0.0;
   }
 }
 
@@ -282,10 +279,9 @@ double UpEvidence::ScorePositions(const Eigen::Vector3d& up_in_world, double* en
   Eigen::Vector3d level_mean = Eigen::Vector3d::Zero(), enu_mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d weight_sum = Eigen::Vector3d::Zero();
   const auto weight_of = [&](size_t i) {
-    const double flat = weights_[i] / (positions[i].accuracy_m * positions[i].accuracy_m);
-    return Eigen::Vector3d(
-        flat, flat,
-        weights_[i] / (positions[i].height_accuracy_m * positions[i].height_accuracy_m));
+    const double flat_m = positions[i].accuracy_m, height_m = positions[i].height_accuracy_m;
+    const double flat = weights_[i] / (flat_m * flat_m);
+    return Eigen::Vector3d(flat, flat, weights_[i] / (height_m * height_m));
   };
   for (size_t i = 0; i < positions.size(); ++i) {
     level[i] = level_from_world * positions[i].center_in_world;
