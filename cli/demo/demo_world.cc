@@ -1,14 +1,19 @@
 #include "cli/demo/demo_world.h"
 
+#include <fmt/format.h>
+
 #include <fstream>
+#include <map>
+#include <span>
 #include <utility>
 
 #include "cli/demo/street/street_scene.h"
+#include "cli/map_session.h"
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
 #include "core/parallel_for.h"
-#include "core/scene/reconstruct_known_poses.h"
+#include "core/radius68.h"
 #include "eval/pictures/encode_png.h"
-#include "storage/map/map_store.h"
 
 namespace cairn {
 namespace {
@@ -25,9 +30,33 @@ StreetOptions MakeStreetOptions(const DemoWorldOptions& options) {
   return street;
 }
 
+constexpr const char* kPhotoPrefix = "map_";
+
+// Removes the photos of an earlier demo, and no other files.
+void RemovePhotos(const fs::path& folder, std::error_code* error) {
+  std::vector<fs::path> photos;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, *error)) {
+    const fs::path& path = entry.path();
+    if (path.filename().string().starts_with(kPhotoPrefix) && path.extension() == ".png") {
+      photos.push_back(path);
+    }
+  }
+  for (const fs::path& path : photos) {
+    if (!*error) {
+      fs::remove(path, *error);
+    }
+  }
+}
+
 void PrepareFolder(const fs::path& output_dir, const std::string& map_path) {
   std::error_code error;
   fs::create_directories(output_dir / "queries", error);
+  if (!error) {
+    fs::create_directories(output_dir / "photos", error);
+  }
+  if (!error) {
+    RemovePhotos(output_dir / "photos", &error);
+  }
   for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
     if (!error) {
       fs::remove(map_path + suffix, error);
@@ -38,19 +67,13 @@ void PrepareFolder(const fs::path& output_dir, const std::string& map_path) {
   }
 }
 
-void WriteFile(const std::string& path, const std::vector<uint8_t>& bytes) {
+void WriteFile(const std::string& path, std::span<const uint8_t> bytes) {
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
   if (!file.flush()) {
     throw Error(ErrorCode::kIo, path + ": cannot write");
   }
-}
-
-// The world of the reconstruction is east-north-up at the scene's origin, in meters.
-Sim3d EcefFromWorld(const Geodetic& origin) {
-  const Rigid3d ecef_from_enu = EcefFromEnu(origin);
-  return {1.0, ecef_from_enu.rotation, ecef_from_enu.translation};
 }
 
 std::vector<StreetPhoto> TakePhotos(const StreetScene& scene, const std::vector<Rigid3d>& poses,
@@ -60,23 +83,55 @@ std::vector<StreetPhoto> TakePhotos(const StreetScene& scene, const std::vector<
                           [&](int done, int total) { progress->Update(phase, done, total); });
 }
 
-IngestReport IngestPhotos(const StreetScene& scene, const std::vector<StreetPhoto>& photos,
-                          const std::string& map_path, uint64_t seed, Progress* progress) {
-  const auto show = [&](const char* phase, int64_t done, int64_t total) {
+std::span<const uint8_t> BytesOf(const std::string& text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+// The photos as files, and their GPS as a table.
+void WritePhotos(const std::vector<StreetPhoto>& photos, double gps_sigma_m,
+                 const fs::path& output_dir) {
+  std::string table = "image,lat_deg,lon_deg,h_m,accuracy_m\n";
+  for (const StreetPhoto& photo : photos) {
+    WriteFile((output_dir / "photos" / photo.name).string(), EncodePng(photo.image));
+    table += fmt::format("{},{:.9f},{:.9f},{:.3f},{:.2f}\n", photo.name, photo.gps->lat_deg(),
+                         photo.gps->lon_deg(), photo.gps->h_m, gps_sigma_m * kRadius68PerSigma2d);
+  }
+  WriteFile((output_dir / kPositionsName).string(), BytesOf(table));
+}
+
+// As `cairn map` of the files.
+MapSessionResult MapStreet(const DemoWorldOptions& options, const std::string& map_path,
+                           Progress* progress) {
+  MapSessionArguments arguments;
+  arguments.session.map_path = map_path;
+  IngestOptions& ingest = arguments.session.options.ingest;
+  ingest.session_name = "street";
+  ingest.codebook.seed = options.seed;
+  ingest.num_threads = NumCores();
+  // For a third of a megapixel; matching takes quadratic time in them.
+  arguments.session.options.mapping.sift.max_features = 1000;
+  arguments.input.paths = {(options.output_dir / "photos").string()};
+  arguments.input.positions_path = (options.output_dir / kPositionsName).string();
+  return MakeMapSession(arguments, [&](const char* phase, int64_t done, int64_t total) {
     progress->Update(phase, done, total);
-  };
-  KnownPoseOptions known_poses;
-  known_poses.num_threads = NumCores();
-  const Reconstruction reconstruction =
-      ReconstructWithKnownPoses(scene.camera(), photos, known_poses, show);
-  MapStore store = MapStore::Create(map_path);
-  IngestOptions options;
-  options.session_name = "street";
-  options.source = "cairn demo";
-  options.codebook.seed = seed;
-  options.num_threads = NumCores();
-  return IngestSession(reconstruction, EcefFromWorld(scene.options().origin), options, &store,
-                       show);
+  });
+}
+
+// The motion from the true cameras to those of the map.
+PlacementFit MapFromEarth(const StreetScene& scene, const std::vector<StreetPhoto>& photos,
+                          const PlacedReconstruction& session) {
+  const Rigid3d enu_from_ecef = EcefFromEnu(scene.options().origin).Inverse();
+  std::map<std::string, Rigid3d> truth;
+  for (const StreetPhoto& photo : photos) {
+    truth.emplace(photo.name, photo.cam_from_enu * enu_from_ecef);
+  }
+  std::vector<PosePair> pairs;
+  for (const ReconImage& image : session.reconstruction.images) {
+    pairs.push_back({truth.at(image.name),
+                     CamFromTarget(image.cam_from_world,
+                                   session.georegistration.ecef_from_world)});
+  }
+  return FitPlacement(pairs, PlacementFitOptions());
 }
 
 void MakeQueries(const StreetScene& scene, const DemoWorldOptions& options, Progress* progress,
@@ -90,7 +145,8 @@ void MakeQueries(const StreetScene& scene, const DemoWorldOptions& options, Prog
     query.image_path = (options.output_dir / "queries" / photo.name).string();
     query.query.id = photo.name;
     query.query.camera = scene.camera();
-    query.cam_from_ecef = photo.cam_from_enu * enu_from_ecef;
+    query.cam_from_ecef =
+        CamFromTarget(photo.cam_from_enu * enu_from_ecef, world->map_from_earth.map_from_session);
     WriteFile(query.image_path, EncodePng(photo.image));
     world->queries.push_back(std::move(query));
     world->photos.push_back(std::move(photo.image));
@@ -110,9 +166,13 @@ DemoWorld MakeDemoWorld(const DemoWorldOptions& options, Progress* progress) {
   PrepareFolder(options.output_dir, world.map_path);
   const StreetScene scene(MakeStreetOptions(options));
   const std::vector<StreetPhoto> photos =
-      TakePhotos(scene, scene.MappingPoses(), "map_", "mapping photos", progress);
-  world.num_mapping_photos = static_cast<int>(photos.size());
-  world.ingest = IngestPhotos(scene, photos, world.map_path, options.seed, progress);
+      TakePhotos(scene, scene.MappingPoses(), kPhotoPrefix, "mapping photos", progress);
+  WritePhotos(photos, scene.options().gps_sigma_m, options.output_dir);
+  const MapSessionResult result = MapStreet(options, world.map_path, progress);
+  world.num_mapping_photos = result.mapped.num_photos;
+  world.num_mapped = result.mapped.num_mapped;
+  world.ingest = result.report;
+  world.map_from_earth = MapFromEarth(scene, photos, result.session);
   MakeQueries(scene, options, progress, &world);
   return world;
 }

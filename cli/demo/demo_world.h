@@ -1,4 +1,4 @@
-// The demo's map and queries, from a street that the demo renders, reconstructs and ingests.
+// The demo's map and queries: a rendered street that is mapped as `cairn map` maps photos.
 #ifndef CAIRN_CLI_DEMO_DEMO_WORLD_H_
 #define CAIRN_CLI_DEMO_DEMO_WORLD_H_
 
@@ -10,9 +10,13 @@
 #include "cli/progress.h"
 #include "core/images/gray_image.h"
 #include "eval/eval_query.h"
-#include "ingest/ingest_session.h"
+#include "ingest/ingest_report.h"
+#include "ingest/place/fit_placement.h"
 
 namespace cairn {
+
+// In the output folder: the positions of the folder `photos`.
+inline constexpr const char* kPositionsName = "positions.csv";
 
 struct DemoWorldOptions {
   std::filesystem::path output_dir;
@@ -24,14 +28,19 @@ struct DemoWorld {
   std::string map_path;  // <output_dir>/street.gpkg
   IngestReport ingest;
   int num_mapping_photos = 0;
-  // Held-out photos with true poses and noisy prior and gravity. Their features are extracted from
-  // the pixels. The photos are also files, see EvalQuery::image_path.
+  int num_mapped = 0;  // Of these, those in the map.
+  // From the true poses of the mapped photos to those in the map, which stands where GPS says.
+  PlacementFit map_from_earth;
+  // Held-out photos with noisy prior and gravity. Their true poses are moved by `map_from_earth`,
+  // so that errors of answers are those within the map. Their features are extracted from the
+  // pixels. The photos are also files, see EvalQuery::image_path.
   std::vector<EvalQuery> queries;
   std::vector<GrayImage> photos;  // Parallel to queries.
 };
 
-// Replaces the results of an earlier demo in `output_dir`. Throws Error(kIo) if the folder cannot
-// be written.
+// Replaces the results of an earlier demo in `output_dir`. The map is made of nothing but files:
+// the photos without EXIF, and a table with their GPS. Throws Error(kIo) if the folder cannot be
+// written, and as MakeMapSession.
 DemoWorld MakeDemoWorld(const DemoWorldOptions& options, Progress* progress);
 
 }  // namespace cairn
