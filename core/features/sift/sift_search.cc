@@ -91,9 +91,10 @@ void SiftSearch::AddNextOctave(FeatureSet* features) {
   OctaveImage octave = std::move(octaves_.back());
   octaves_.pop_back();
   AddOctave(octave, features);
-  if (is_full() || is_stopped()) {
+  const bool is_doubled = octave.pixel_px == 1.0 && num_features_ < kFewFeatures;
+  if ((is_doubled || !octaves_.empty()) && (is_full() || is_stopped())) {
     octaves_.clear();
-  } else if (octave.pixel_px == 1.0 && num_features_ < kFewFeatures) {
+  } else if (is_doubled) {
     octaves_.push_back(Doubled(octave.image));
   }
 }
