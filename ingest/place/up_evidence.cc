@@ -37,7 +37,7 @@ constexpr double kGravitySigmaRad = 0.1, kBadGravityShare = 0.1;
 // any other. So weak a prior (half a photo) says that most sessions are of one kind. No way is
 // twenty times as likely as the opposite one, so this prior alone never decides (the default of
 // least_up_odds).
-constexpr HoldShares kHoldPrior = {0.42, 0.35, 0.08, 0.06, 0.05, 0.04};
+constexpr HoldShares kHoldPrior = {0.43, 0.34, 0.08, 0.03, 0.08, 0.04};
 constexpr double kHoldPriorWeight = 0.5;
 constexpr int kShareRounds = 6;
 
