@@ -124,7 +124,8 @@ void PrintWorld(const DemoWorld& world) {
       "Mapped a rendered street by `cairn map`: {} of {} photos in the map, {} landmarks, {} "
       "descriptors,\n{} tiles, {:.0f} kB.\n"
       "The map stands where the GPS of the photos says, whose noise is 3 m per axis: {:.2f} m from "
-      "the true\nplace, turned by {:.2f} degrees, {:.4f} times as large. The errors below are those "
+      "the true\nplace, turned by {:.2f} degrees, {:.4f} times as large. The errors below are "
+      "those "
       "within the map.\n"
       "Queried a local server with {} other photos; noise of the priors: 10 m per axis for the\n"
       "position, 1 degree for gravity.\n\n",

@@ -128,8 +128,7 @@ PlacementFit MapFromEarth(const StreetScene& scene, const std::vector<StreetPhot
   std::vector<PosePair> pairs;
   for (const ReconImage& image : session.reconstruction.images) {
     pairs.push_back({truth.at(image.name),
-                     CamFromTarget(image.cam_from_world,
-                                   session.georegistration.ecef_from_world)});
+                     CamFromTarget(image.cam_from_world, session.georegistration.ecef_from_world)});
   }
   return FitPlacement(pairs, PlacementFitOptions());
 }
