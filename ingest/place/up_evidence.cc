@@ -9,66 +9,10 @@
 #include "core/angles.h"
 #include "core/rotation_between.h"
 #include "core/statistics.h"
+#include "ingest/place/up_priors.h"
 
 namespace cairn {
 namespace {
-
-// Photos of one walk are alike: the tenth forward view says no more than the first nine. So all
-// photos of a session count as this many independent ones.
-constexpr double kIndependentViews = 10.0;
-
-// Sine of the pitch of photos that people take: normal about a pitch that the photos of a session
-// share, with a share of any pitch.
-constexpr double kPitchSigma = 0.2, kWildPitchShare = 0.2;
-// The shared pitch: most sessions look ahead, one in ten looks down as steeply as it likes, and few
-// look up so.
-constexpr double kSharedPitchSigma = 0.25, kSteepPitchSigma = 0.6;
-constexpr double kSteepDownShare = 0.1, kSteepUpShare = 0.02;
-constexpr double kMaxSharedPitch = 0.95;
-// Rolls beyond the standard deviation of a careful hand.
-constexpr double kWildRollShare = 0.1, kWildRollFactor = 3.0;
-// The error of a camera that is meant to look straight down. Its density has the same maximum as
-// that of the other ways, so that no way wins because its photos are alike.
-constexpr double kDownSigmaRad = 0.165;
-// The error of an accelerometer in a moving hand, and the share of photos in which it is useless.
-constexpr double kGravitySigmaRad = 0.1, kBadGravityShare = 0.1;
-
-// The prior of a session's holds: Dirichlet with these means, in the order of PictureUp, at last
-// any other. So weak a prior (half a photo) says that most sessions are of one kind. No way is
-// twenty times as likely as the opposite one, so this prior alone never decides (the default of
-// least_up_odds).
-constexpr HoldShares kHoldPrior = {0.43, 0.34, 0.08, 0.03, 0.08, 0.04};
-constexpr double kHoldPriorWeight = 0.5;
-constexpr int kShareRounds = 6;
-
-// What a session's orientations say if they say nothing: programs that do not know write 1, and a
-// phone whose rotation is locked, the way it was held before.
-constexpr HoldShares kMadeUp = {0.9, 0.02, 0.003, 0.003};
-constexpr double kMadeUpMixed = 0.01;
-// What a sensor says that looks straight down: the way it was held before.
-constexpr HoldShares kSaidFromAbove = {0.5, 0.4, 0.05, 0.05};
-constexpr double kSaidFromAboveMixed = 0.1;
-
-// The shape of a reconstruction drifts by about a hundredth of its extent, so positions that are
-// better than that do not make a bend of it significant.
-constexpr double kShapeError = 0.01;
-
-// Slopes of walks, root mean square of heights over that of horizontal distances, and the share of
-// sessions that climb in any way.
-constexpr double kSlopeSigma = 0.1, kClimbShare = 0.03;
-
-// A sight goes far below if it ends this far below the camera, and steeply enough that errors of up
-// do not matter. People hold a camera at 1 to 2 m over the ground. On real walks, up to 0.1 % of
-// the sights go far below with the true up, and 4 to 45 % with an up that is turned by 90 or 180
-// degrees (docs/math/localization.md).
-constexpr double kFarM = 3.0, kSteepSine = 0.17;
-constexpr double kFewFar = 0.01, kManyFar = 0.04;
-// Share of the sessions that are photographed from bridges, balconies or hills, and of these, the
-// share of those under a low roof, beyond which they see nothing.
-constexpr double kHighSessionShare = 0.03, kLowRoofShare = 0.03;
-// Cameras that look straight down fly, or a person films the floor. They are rarely between.
-constexpr double kLeastFlightM = 10.0, kLargestFloorM = 3.5;
-constexpr double kLowFlightShare = 1e-3, kUnseenFlightShare = 0.1;
 
 double Normal(double x, double sigma) {
   const double ratio = x / sigma;
@@ -341,7 +285,9 @@ double UpEvidence::ScoreGround(const Eigen::Vector3d& up_in_world, double enu_pe
   };
   const double is_high = has(num_far_below);
   const double has_roof = has(num_roof) * (1.0 - has(num_far_above));
-  return is_high * (std::log(kHighSessionShare) + has_roof * std::log(kLowRoofShare));
+  const bool is_close = enu_per_world * far_sight_in_world_ < kLargestFloorM;
+  return is_high * (std::log(kHighSessionShare) + has_roof * std::log(kLowRoofShare)) +
+         (is_close ? std::log(kCloseWallShare) : 0.0);
 }
 
 double UpEvidence::ScoreFlight(double enu_per_world) const {
