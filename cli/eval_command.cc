@@ -17,14 +17,12 @@
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
 #include "cli/options_file.h"
+#include "cli/query_features.h"
 #include "cli/shell.h"
 #include "cli/whole_file.h"
 #include "core/angles.h"
 #include "core/error.h"
-#include "core/features/sift/sift_extractor.h"
-#include "core/images/gray_image.h"
 #include "core/parallel_for.h"
-#include "core/printable.h"
 #include "engine/localizer.h"
 #include "eval/elsewhere.h"
 #include "eval/evaluation.h"
@@ -81,22 +79,9 @@ void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
     if (!NeedsImages(arguments, query)) {
       continue;
     }
-    if (query.image_path.empty()) {
-      throw Error(
-          ErrorCode::kInvalidArgument,
-          fmt::format("query {} needs its photo; give --image-dir DIR", Excerpt(query.name)));
-    }
+    RequirePhoto(query);
     if (arguments.server_url.empty() || arguments.send_as == SendAs::kFeatures) {
-      const GrayImage photo = ReadGrayImage(query.image_path);
-      const Camera& camera = query.query.camera;
-      if (photo.picture_width_px() != camera.width_px() ||
-          photo.picture_height_px() != camera.height_px()) {
-        throw Error(ErrorCode::kBadInput,
-                    fmt::format("{} has {} x {} pixels, but its camera states {} x {}",
-                                Printable(query.image_path), photo.picture_width_px(),
-                                photo.picture_height_px(), camera.width_px(), camera.height_px()));
-      }
-      query.query.features = ExtractSift(photo, arguments.options.sift);
+      ExtractQueryFeatures(arguments.options.sift, &query);
     }
     progress->Update("extract", i + 1, total);
   }

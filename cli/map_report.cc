@@ -15,6 +15,7 @@
 #include "core/geodesy.h"
 #include "core/printable.h"
 #include "core/statistics.h"
+#include "eval/pictures/round_down_125.h"
 
 namespace cairn {
 namespace {
@@ -166,15 +167,8 @@ void AddPositions(const PlannedWay& way, const PlanFrame& frame, Drawing* drawin
   }
 }
 
-// The longest of 1, 2, 5, 10, ... meters that is at most a fifth of the picture.
-double BarM(double px_per_m) {
-  const double most_m = 0.2 * kInnerPx / px_per_m;
-  const double power = std::pow(10.0, std::floor(std::log10(most_m)));
-  return most_m >= 5.0 * power ? 5.0 * power : most_m >= 2.0 * power ? 2.0 * power : power;
-}
-
 void AddScaleAndNorth(const PlanFrame& frame, Drawing* drawing) {
-  const double bar_m = BarM(frame.px_per_m());
+  const double bar_m = RoundDown125(0.2 * kInnerPx / frame.px_per_m());
   const Eigen::Vector2d left(kMarginPx + 12.0, frame.bottom_px() - 14.0);
   const Eigen::Vector2d right = left + Eigen::Vector2d(bar_m * frame.px_per_m(), 0.0);
   drawing->Line(left, right, kReportInk, 2.0);

@@ -7,8 +7,11 @@
 #include <fstream>
 #include <system_error>
 
+#include "cli/batch/photo_query.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/images/gray_image.h"
+#include "core/printable.h"
 #include "core/wire/feature_codec.h"
 
 namespace cairn {
@@ -49,6 +52,22 @@ void ReadQueryFeatures(std::vector<EvalQuery>* queries) {
       ReadFeatures(&query);
     }
   }
+}
+
+void RequirePhoto(const EvalQuery& query) {
+  if (query.image_path.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("query {} needs its photo; give its folder (--image-dir, image_dir)",
+                            Excerpt(query.name)));
+  }
+}
+
+void ExtractQueryFeatures(const SiftOptions& options, EvalQuery* query) {
+  RequirePhoto(*query);
+  const GrayImage photo = ReadGrayImage(query->image_path);
+  RequireSizeOf(query->query.camera, photo.picture_width_px(), photo.picture_height_px(),
+                query->image_path);
+  query->query.features = ExtractSift(photo, options);
 }
 
 void WriteQueryListWithFeatures(const std::string& path, std::vector<EvalQuery>* queries) {

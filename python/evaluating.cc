@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/eval_queries.h"
+#include "cli/query_features.h"
 #include "core/error.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
@@ -58,14 +59,9 @@ EvaluateArguments ArgumentsOf(const py::object& path, const py::kwargs& keywords
 
 // The features of the query, of its photo if it has none.
 void RequireFeatures(const SiftOptions& sift, EvalQuery* query) {
-  if (query->query.features.size() > 0) {
-    return;
+  if (query->query.features.size() == 0) {
+    ExtractQueryFeatures(sift, query);
   }
-  if (query->image_path.empty()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("image_dir: query {} needs its photo", Excerpt(query->name)));
-  }
-  query->query.features = ExtractSift(ReadGrayImage(query->image_path), sift);
 }
 
 EvalReport Measure(const EvaluateArguments& arguments, const WorkProgress& report) {

@@ -26,15 +26,19 @@ void SetCamera(const PhotoQueryOptions& options, const ExifInfo& exif, int width
   if (options.focal_log_sigma) {
     query->focal = FocalPrior{.log_sigma = *options.focal_log_sigma};
   }
-  if (query->camera.width_px() != width_px || query->camera.height_px() != height_px) {
-    throw Error(
-        ErrorCode::kBadInput,
-        fmt::format("{} has {} x {} pixels, but its camera states {} x {}", Printable(query->id),
-                    width_px, height_px, query->camera.width_px(), query->camera.height_px()));
-  }
+  RequireSizeOf(query->camera, width_px, height_px, query->id);
 }
 
 }  // namespace
+
+void RequireSizeOf(const Camera& camera, int width_px, int height_px, const std::string& photo) {
+  if (camera.width_px() != width_px || camera.height_px() != height_px) {
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{} has {} x {} pixels, but its camera states {} x {}", Printable(photo),
+                    width_px, height_px, camera.width_px(), camera.height_px()));
+  }
+}
 
 PhotoQuery ReadPhotoQuery(const std::string& path, const PhotoQueryOptions& options) {
   PhotoQuery result;

@@ -30,6 +30,9 @@ struct PhotoQuery {
   LocalizeQuery query;  // Without features. The id is the path of the photo.
 };
 
+// Throws Error(kBadInput) that names the photo unless its picture has the size of the camera's.
+void RequireSizeOf(const Camera& camera, int width_px, int height_px, const std::string& photo);
+
 // Throws as ReadPhoto and ReadExif, and Error(kBadInput) if the picture has another size than the
 // camera. Messages name the path.
 PhotoQuery ReadPhotoQuery(const std::string& path, const PhotoQueryOptions& options);

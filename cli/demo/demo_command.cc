@@ -121,19 +121,19 @@ void DrawPictures(const DemoWorld& world, const EvalReport& report,
 
 void PrintWorld(const DemoWorld& world) {
   fmt::print(
-      "Mapped a rendered street by `cairn map`: {} of {} photos in the map, {} landmarks, {} "
-      "descriptors,\n{} tiles, {:.0f} kB.\n"
-      "The map stands where the GPS of the photos says, whose noise is 3 m per axis: {:.2f} m from "
-      "the true\nplace, turned by {:.2f} degrees, {:.4f} times as large. The errors below are "
-      "those "
-      "within the map.\n"
+      "Mapped a rendered street by `cairn map`: {} of {} photos in the map, {} landmarks,\n"
+      "{} descriptors, {} tiles, {:.0f} kB. The map stands where the GPS of the photos says, "
+      "whose\n"
+      "noise is {} m per axis: {:.2f} m from the true place, turned by {:.2f} degrees, {:.4f} "
+      "times\n"
+      "as large. The errors below are those within the map.\n"
       "Queried a local server with {} other photos; noise of the priors: 10 m per axis for the\n"
       "position, 1 degree for gravity.\n\n",
       world.num_mapped, world.num_mapping_photos, world.ingest.num_landmarks_written,
       world.ingest.num_descriptors_written, world.ingest.num_tiles_written,
-      1e-3 * static_cast<double>(world.ingest.num_payload_bytes), world.map_from_earth.moved_m,
-      world.map_from_earth.turned_rad * kDegPerRad, world.map_from_earth.scale,
-      world.queries.size());
+      1e-3 * static_cast<double>(world.ingest.num_payload_bytes), world.gps_sigma_m,
+      world.map_from_earth.moved_m, world.map_from_earth.turned_rad * kDegPerRad,
+      world.map_from_earth.scale, world.queries.size());
 }
 
 // The program as any folder can call it: the demo's script does not run where its caller stands.

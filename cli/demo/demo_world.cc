@@ -31,6 +31,7 @@ StreetOptions MakeStreetOptions(const DemoWorldOptions& options) {
 }
 
 constexpr const char* kPhotoPrefix = "map_";
+constexpr const char* kPositionsName = "positions.csv";
 
 // Removes the photos of an earlier demo, and no other files.
 void RemovePhotos(const fs::path& folder, std::error_code* error) {
@@ -166,7 +167,8 @@ DemoWorld MakeDemoWorld(const DemoWorldOptions& options, Progress* progress) {
   const StreetScene scene(MakeStreetOptions(options));
   const std::vector<StreetPhoto> photos =
       TakePhotos(scene, scene.MappingPoses(), kPhotoPrefix, "mapping photos", progress);
-  WritePhotos(photos, scene.options().gps_sigma_m, options.output_dir);
+  world.gps_sigma_m = scene.options().gps_sigma_m;
+  WritePhotos(photos, world.gps_sigma_m, options.output_dir);
   const MapSessionResult result = MapStreet(options, world.map_path, progress);
   world.num_mapping_photos = result.mapped.num_photos;
   world.num_mapped = result.mapped.num_mapped;

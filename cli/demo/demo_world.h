@@ -15,9 +15,6 @@
 
 namespace cairn {
 
-// In the output folder: the positions of the folder `photos`.
-inline constexpr const char* kPositionsName = "positions.csv";
-
 struct DemoWorldOptions {
   std::filesystem::path output_dir;
   bool quick = false;  // A shorter street and fewer queries.
@@ -28,7 +25,8 @@ struct DemoWorld {
   std::string map_path;  // <output_dir>/street.gpkg
   IngestReport ingest;
   int num_mapping_photos = 0;
-  int num_mapped = 0;  // Of these, those in the map.
+  int num_mapped = 0;        // Of these, those in the map.
+  double gps_sigma_m = 0.0;  // Noise of their GPS per axis.
   // From the true poses of the mapped photos to those in the map, which stands where GPS says.
   PlacementFit map_from_earth;
   // Held-out photos with noisy prior and gravity. Their true poses are moved by `map_from_earth`,
@@ -39,8 +37,8 @@ struct DemoWorld {
 };
 
 // Replaces the results of an earlier demo in `output_dir`. The map is made of nothing but files:
-// the photos without EXIF, and a table with their GPS. Throws Error(kIo) if the folder cannot be
-// written, and as MakeMapSession.
+// those in `photos`, without EXIF, and `positions.csv` with their GPS. Throws Error(kIo) if the
+// folder cannot be written, and as MakeMapSession.
 DemoWorld MakeDemoWorld(const DemoWorldOptions& options, Progress* progress);
 
 }  // namespace cairn

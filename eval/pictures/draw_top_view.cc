@@ -14,6 +14,7 @@
 #include "eval/pictures/plan_content.h"
 #include "eval/pictures/plan_symbols.h"
 #include "eval/pictures/plan_view.h"
+#include "eval/pictures/round_down_125.h"
 
 namespace cairn {
 namespace {
@@ -25,17 +26,6 @@ constexpr double kTextPx = 12.0;
 constexpr double kPoseTextPx = 14.0;
 constexpr double kLabelDistancePx = 17.0;
 const cv::Scalar kGridColor(238, 236, 234);
-
-// The largest of 1, 2, 5, 10, ... that is at most `value`.
-double RoundDown125(double value) {
-  const double decade = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * decade <= value) {
-      return step * decade;
-    }
-  }
-  return decade;
-}
 
 void DrawGrid(PlanView* view) {
   const PlanArea& area = view->area();

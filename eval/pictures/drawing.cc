@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "eval/pictures/html_text.h"
+
 namespace cairn {
 namespace {
 
@@ -18,23 +20,6 @@ constexpr int kShareBits = 4;
 constexpr double kFontPerCapital = 1.4;
 
 std::string Hex(DrawingColor color) { return fmt::format("#{:06x}", color); }
-
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char letter : text) {
-    const auto byte = static_cast<unsigned char>(letter);
-    if (letter == '<') {
-      escaped += "&lt;";
-    } else if (letter == '>') {
-      escaped += "&gt;";
-    } else if (letter == '&') {
-      escaped += "&amp;";
-    } else if (byte >= 0x20) {  // XML has no other control characters.
-      escaped += letter;
-    }
-  }
-  return escaped;
-}
 
 std::string Ascii(const std::string& text) {
   std::string ascii;
@@ -138,7 +123,7 @@ std::string Drawing::SvgOf(const Mark& mark) {
                                                              : "start";
   return fmt::format(
       "<text x='{:.1f}' y='{:.1f}' font-size='{:.1f}' fill='{}' text-anchor='{}'>{}</text>\n",
-      at.x(), at.y(), kFontPerCapital * mark.size_px, color, anchor, Escaped(mark.text));
+      at.x(), at.y(), kFontPerCapital * mark.size_px, color, anchor, HtmlText(mark.text));
 }
 
 std::string Drawing::ToSvg() const {

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/pictures/html_text.h"
 #include "eval/pictures/pictures.h"
 #include "eval/pictures/plan_content.h"
-#include "eval/report/svg_chart.h"
+#include "eval/pictures/round_down_125.h"
 
 namespace cairn {
 namespace {
@@ -98,11 +99,7 @@ std::string QueryMark(size_t idx, const EvalQuery& query, const EvalAnswer& answ
 
 // A bar of 1, 2 or 5 times a power of ten, about an eighth of the width.
 std::string ScaleBar(const Frame& frame, double height_px) {
-  const double wanted_m = 0.125 * kWidthPx / frame.px_per_m;
-  const double power = std::pow(10.0, std::floor(std::log10(wanted_m)));
-  const double length_m = power * (wanted_m >= 5.0 * power   ? 5.0
-                                   : wanted_m >= 2.0 * power ? 2.0
-                                                             : 1.0);
+  const double length_m = RoundDown125(0.125 * kWidthPx / frame.px_per_m);
   return fmt::format(
       "<path class=\"scale\" d=\"M12 {0:.1f}v6h{1:.1f}v-6\"/>"
       "<text x=\"16\" y=\"{0:.1f}\">{2:g} m, north is up</text>\n",

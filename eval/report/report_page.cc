@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/images/gray_image.h"
 #include "core/wire/base64.h"
+#include "eval/pictures/html_text.h"
 #include "eval/pictures/pictures.h"
 #include "eval/report/plan_svg.h"
 #include "eval/report/report_charts.h"

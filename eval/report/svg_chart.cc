@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/printable.h"
+#include "eval/pictures/html_text.h"
 
 namespace cairn {
 namespace {
@@ -23,32 +23,6 @@ double ShareOf(const ChartAxis& axis, double value) {
 }
 
 }  // namespace
-
-std::string HtmlText(std::string_view text) {
-  std::string safe;
-  for (const char letter : Printable(text)) {
-    switch (letter) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      case '\'':
-        safe += "&#39;";
-        break;
-      default:
-        safe += letter;
-    }
-  }
-  return safe;
-}
 
 SvgChart::SvgChart(std::string description, ChartAxis x, ChartAxis y)
     : description_(std::move(description)), x_(std::move(x)), y_(std::move(y)) {}

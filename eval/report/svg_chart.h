@@ -8,9 +8,6 @@
 
 namespace cairn {
 
-// Makes text from outside safe between tags and in attributes in double quotes.
-std::string HtmlText(std::string_view text);
-
 // An axis that shows [low, high], with a grid line and a label at each tick.
 struct ChartAxis {
   std::string title;
