@@ -37,7 +37,8 @@ endfunction()
 # One test binary a room, `cairn_NAME_test`; every TEST in it is a ctest of its own. Tests may
 # include anything their DEPENDS offer, and tests/support/. WHOLE: suites whose tests share what is
 # costly to make, such as a map, and leave it as it is; each is one ctest, `Suite`, so that a process
-# makes it once. ON_SERVER: tests whose names end in /OnServer are one ctest, because each process
+# makes it once. A base class of several suites that share it is written `Base=Suite:Suite`; they are
+# one ctest, `Base`. ON_SERVER: tests whose names end in /OnServer are one ctest, because each process
 # that uses PostgreSQL starts a server of its own.
 function(cairn_test)
   cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS;WHOLE" ${ARGN})
@@ -61,9 +62,12 @@ function(cairn_test)
     add_test(NAME ${target}.OnServer COMMAND ${target} --gtest_filter=*/OnServer)
     set_tests_properties(${target}.OnServer PROPERTIES TIMEOUT 1800)
   endif()
-  foreach(suite ${ARG_WHOLE})
-    list(APPEND not_alone ${suite}.*)
-    add_test(NAME ${suite} COMMAND ${target} --gtest_filter=${suite}.*)
+  foreach(whole ${ARG_WHOLE})
+    string(REGEX MATCH "^[^=]+" suite ${whole})
+    string(REGEX REPLACE "^[^=]+=" "" filter ${whole})
+    string(REPLACE ":" ".*:" filter "${filter}.*")
+    list(APPEND not_alone ${filter})
+    add_test(NAME ${suite} COMMAND ${target} --gtest_filter=${filter})
     # Skipped if the end of the output says that no test passed and that all were skipped.
     set_tests_properties(${suite} PROPERTIES TIMEOUT ${ARG_TIMEOUT} SKIP_REGULAR_EXPRESSION
       "PASSED  \\] 0 tests\\.(\n\\[  SKIPPED \\] [^\n]*)+\n*$")

@@ -18,19 +18,21 @@ MAX_PACKAGES = 60
 def packages_of(program):
     """The Debian packages of all libraries that the loader maps for the program."""
     text = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
-    paths = set(re.findall(r"(?:=> |^\s+)(/\S+)", text, re.M))
+    # dpkg knows files by the path that their package has, which /lib -> /usr/lib may hide.
+    names_of = {path: {path, os.path.realpath(path), os.path.realpath(path).removeprefix("/usr")}
+                for path in re.findall(r"(?:=> |^\s+)(/\S+)", text, re.M)}
+    # One call for all, since each reads the whole database; it fails, because not all names are known.
+    found = subprocess.run(["dpkg", "-S", *sorted(set().union(*names_of.values()))], capture_output=True, text=True)
+    package_of = {}
+    for line in found.stdout.splitlines():
+        packages, name = line.rsplit(": ", 1)
+        package_of[name] = packages.split(":")[0]
     packages = set()
-    for path in paths:
-        # dpkg knows files by the path that their package has, which /lib -> /usr/lib may hide.
-        real = os.path.realpath(path)
-        names = {real, real.removeprefix("/usr"), path}
-        for name in sorted(names):
-            found = subprocess.run(["dpkg", "-S", name], capture_output=True, text=True)
-            if found.returncode == 0:
-                packages.add(found.stdout.split(":")[0])
-                break
-        else:
+    for path, names in names_of.items():
+        known = sorted(names & package_of.keys())
+        if not known:
             sys.exit(f"{path} belongs to no package")
+        packages.add(package_of[known[0]])
     return packages
 
 
