@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <tuple>
 
 namespace cairn {
@@ -70,10 +69,10 @@ void FairGate::Wait(std::unique_lock<std::mutex>* lock, Turn* turn) {
 void FairGate::Leave(Turn* turn) {
   const Clock::time_point now = Clock::now();
   Client* const client = turn->client_;
-  client->used_s = client->UsedSeconds(now) + Seconds(now - turn->running_->start);
+  client->used_s = client->UsedSeconds(now) + Seconds(turn->Computed(now));
   client->used_at = now;
   --client->num_running;
-  running_.erase(turn->running_);
+  running_.remove(turn);
   Admit(now);
   for (Client* waiting : waiting_clients_) {
     if (EndOfPatience(*waiting) != Clock::time_point::max()) {
@@ -82,17 +81,81 @@ void FairGate::Leave(Turn* turn) {
   }
 }
 
+// A client without a turn comes before turns that pause, and those before further turns of clients
+// that have one: what has begun holds memory.
 void FairGate::Admit(Clock::time_point now) {
-  while (!waiting_clients_.empty()) {
-    Client* const client = NextClient(now);
-    if (!MayEnter(*client, now)) {
+  while (true) {
+    Client* const client = waiting_clients_.empty() ? nullptr : NextClient(now);
+    const bool may_enter = client != nullptr && MayEnter(*client, now);
+    const bool may_resume =
+        num_paused_ > 0 && num_computing() < static_cast<size_t>(options_.num_slots);
+    if (may_enter && (client->num_running == 0 || !may_resume)) {
+      Enter(client->waiting.front(), now);
+    } else if (may_resume) {
+      ResumeOne(now);
+    } else {
       return;
     }
-    Turn* const turn = client->waiting.front();
-    turn->running_ = running_.insert(running_.end(), {.client = client, .start = now});
-    StopWaiting(Outcome::kEntered, turn);
-    ++client->num_running;
   }
+}
+
+void FairGate::Enter(Turn* turn, Clock::time_point now) {
+  running_.push_back(turn);
+  turn->start_ = now;
+  ++turn->client_->num_running;
+  StopWaiting(Outcome::kEntered, turn);
+}
+
+void FairGate::Turn::MakeRoom() {
+  std::unique_lock lock(gate_->mutex_);
+  const Clock::time_point now = Clock::now();
+  if (gate_->MustPause(*this, now)) {
+    gate_->Pause(&lock, this, now);
+  }
+}
+
+bool FairGate::MustPause(const Turn& turn, Clock::time_point now) const {
+  if (num_computing() <= static_cast<size_t>(options_.num_slots) ||
+      turn.Computed(now) < options_.patience || turn.PauseLeft() <= Clock::duration::zero()) {
+    return false;
+  }
+  return std::any_of(running_.begin(), running_.end(), [&](const Turn* other) {
+    return !other->is_paused_ && other->client_->num_computing() < turn.client_->num_computing();
+  });
+}
+
+void FairGate::Pause(std::unique_lock<std::mutex>* lock, Turn* turn, Clock::time_point now) {
+  const Clock::time_point end = now + turn->PauseLeft();
+  turn->is_paused_ = true;
+  turn->pause_start_ = now;
+  ++turn->client_->num_paused;
+  ++num_paused_;
+  while (turn->is_paused_) {
+    if (turn->changed_.wait_until(*lock, end) == std::cv_status::timeout && turn->is_paused_) {
+      Resume(turn, Clock::now());
+    }
+  }
+}
+
+void FairGate::Resume(Turn* turn, Clock::time_point now) {
+  turn->is_paused_ = false;
+  turn->paused_ += now - turn->pause_start_;
+  --turn->client_->num_paused;
+  --num_paused_;
+  turn->changed_.notify_one();
+}
+
+void FairGate::ResumeOne(Clock::time_point now) {
+  Turn* next = nullptr;
+  const auto rank = [now](const Turn* turn) {
+    return std::tuple(turn->client_->num_computing(), turn->client_->UsedSeconds(now));
+  };
+  for (Turn* turn : running_) {
+    if (turn->is_paused_ && (next == nullptr || rank(turn) < rank(next))) {
+      next = turn;
+    }
+  }
+  Resume(next, now);
 }
 
 FairGate::Client* FairGate::NextClient(Clock::time_point now) const {
@@ -104,16 +167,23 @@ FairGate::Client* FairGate::NextClient(Clock::time_point now) const {
 }
 
 bool FairGate::MayEnter(const Client& client, Clock::time_point now) const {
-  return running_.size() < static_cast<size_t>(options_.num_slots) || EndOfPatience(client) <= now;
+  const auto num_slots = static_cast<size_t>(options_.num_slots);
+  return (num_computing() < num_slots && running_.size() < 2 * num_slots) ||
+         EndOfPatience(client) <= now;
 }
 
 FairGate::Clock::time_point FairGate::EndOfPatience(const Client& client) const {
   const auto num_slots = static_cast<size_t>(options_.num_slots);
-  if (client.num_running > 0 || running_.size() < num_slots || running_.size() >= 2 * num_slots) {
+  if (client.num_running > 0 || num_computing() < num_slots || running_.size() >= 2 * num_slots) {
     return Clock::time_point::max();
   }
   // Fewer than num_slots turns are short so far once this one is long.
-  return std::prev(running_.end(), options_.num_slots)->start + options_.patience;
+  size_t num_later = 0;
+  const auto turn = std::find_if(running_.rbegin(), running_.rend(), [&](const Turn* other) {
+    num_later += other->is_paused_ ? 0 : 1;
+    return num_later == num_slots;
+  });
+  return (*turn)->start_ + options_.patience;
 }
 
 void FairGate::RefuseOne() {
@@ -147,6 +217,11 @@ void FairGate::ForgetIdleClients() {
 int FairGate::num_waiting() const {
   const std::lock_guard lock(mutex_);
   return num_waiting_;
+}
+
+int FairGate::num_paused() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(num_paused_);
 }
 
 }  // namespace cairn

@@ -27,9 +27,9 @@ struct FairGateOptions {
 //
 // Requests of one client get their turns in the order of their deadlines. Among clients, the next
 // turn goes to the one with the fewest turns under way, and then to the one that has used the least
-// time lately. A request does not lose its slot once it has it. So that long turns do not keep
-// other clients out, a client without a turn gets one beside them when they have taken longer than
-// `patience`; at most twice `num_slots` turns are then under way.
+// time lately. So that long turns do not keep other clients out, a client without a turn gets one
+// beside them when they have taken longer than `patience`; at most twice `num_slots` turns are then
+// under way. More turns than slots then compute, until a long turn makes room (Turn::MakeRoom).
 //
 // If too many requests wait, the client with most of them loses the one with the latest deadline.
 //
@@ -51,16 +51,14 @@ class FairGate {
  private:
   struct Client {
     std::list<Turn*> waiting;  // By deadline, and then by arrival.
-    int num_running = 0;
+    int num_running = 0;       // Turns under way.
+    int num_paused = 0;        // Of these.
     double used_s = 0.0;  // The time of its turns, which counts less and less, as of `used_at`.
     Clock::time_point used_at;
 
+    int num_computing() const { return num_running - num_paused; }
     bool is_idle() const { return num_running == 0 && waiting.empty(); }
     double UsedSeconds(Clock::time_point now) const;
-  };
-  struct Running {
-    Client* client;
-    Clock::time_point start;
   };
 
  public:
@@ -75,20 +73,35 @@ class FairGate {
 
     Outcome outcome() const { return outcome_; }
 
+    // Call now and then during a turn that may be long, on the thread that entered, without locks.
+    // Pauses the turn if it has computed for longer than `patience`, more turns than slots compute,
+    // and another client computes fewer of them. The turn goes on when a slot is free. So that it
+    // can finish, it pauses for at most half of the time that it had from its start to its
+    // deadline.
+    void MakeRoom();
+
    private:
     friend class FairGate;
+    Clock::duration Computed(Clock::time_point now) const { return now - start_ - paused_; }
+    Clock::duration PauseLeft() const { return (deadline_ - start_) / 2 - paused_; }
+
     FairGate* gate_;
     Client* client_ = nullptr;
     const Clock::time_point deadline_;
     Outcome outcome_ = Outcome::kLate;
     bool is_waiting_ = true;
     std::condition_variable changed_;
-    std::list<Running>::iterator running_;  // Valid once entered.
+    // Of a turn that has entered.
+    Clock::time_point start_;
+    bool is_paused_ = false;
+    Clock::time_point pause_start_;
+    Clock::duration paused_{0};  // In pauses that have ended.
   };
 
   explicit FairGate(const FairGateOptions& options) : options_(options) {}
 
   int num_waiting() const;
+  int num_paused() const;
 
  private:
   void Queue(Turn* turn);
@@ -98,6 +111,12 @@ class FairGate {
   void Admit(Clock::time_point now);
   Client* NextClient(Clock::time_point now) const;
   bool MayEnter(const Client& client, Clock::time_point now) const;
+  void Enter(Turn* turn, Clock::time_point now);
+  bool MustPause(const Turn& turn, Clock::time_point now) const;
+  void Pause(std::unique_lock<std::mutex>* lock, Turn* turn, Clock::time_point now);
+  void ResumeOne(Clock::time_point now);  // The turn of the client that computes least.
+  void Resume(Turn* turn, Clock::time_point now);
+  size_t num_computing() const { return running_.size() - num_paused_; }
   // When a client without a turn may enter beside long turns; the end of time if it may not.
   Clock::time_point EndOfPatience(const Client& client) const;
   void RefuseOne();
@@ -108,7 +127,8 @@ class FairGate {
   mutable std::mutex mutex_;
   std::unordered_map<ClientId, Client> clients_;
   std::vector<Client*> waiting_clients_;  // Those with waiting requests.
-  std::list<Running> running_;            // By start.
+  std::list<Turn*> running_;              // By start.
+  size_t num_paused_ = 0;                 // Of the running.
   int num_waiting_ = 0;
 };
 

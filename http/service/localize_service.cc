@@ -92,9 +92,13 @@ LocalizeRequest LocalizeService::Read(const ServedMap& map, const HttpRequest& h
   return request;
 }
 
-bool LocalizeService::ExtractInTime(LocalizeRequest* request, ServerTimes* times) const {
+bool LocalizeService::ExtractInTime(FairGate::Turn* turn, LocalizeRequest* request,
+                                    ServerTimes* times) const {
   const auto deadline = *request->query.deadline;
-  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&] {
+  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&, turn] {
+                                   if (!stopping_) {
+                                     turn->MakeRoom();
+                                   }
                                    return stopping_ || std::chrono::steady_clock::now() >= deadline;
                                  }};
   try {
@@ -133,7 +137,7 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, cons
   const int timeout_ms =
       reads_in_turn ? std::min(PeekTimeoutMs(http.body, request_limits()), options_.max_timeout_ms)
                     : request.timeout_ms;
-  const FairGate::Turn turn(&gate_, http.client, http.arrival + milliseconds(timeout_ms));
+  FairGate::Turn turn(&gate_, http.client, http.arrival + milliseconds(timeout_ms));
   if (turn.outcome() == FairGate::Outcome::kRefused) {
     RefuseForLackOfTurns();
   }
@@ -146,7 +150,7 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, cons
   }
   if (request.has_images()) {
     ReadPhotos(options_.exif_prior, &request);
-    if (!ExtractInTime(&request, &answer.times)) {
+    if (!ExtractInTime(&turn, &request, &answer.times)) {
       answer.result = LateAnswer(map, request.query);
       return answer;
     }

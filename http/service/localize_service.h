@@ -70,9 +70,10 @@ class LocalizeService {
   void BeginStop() { stopping_ = true; }
 
  private:
-  // Stores the features of the query's images in the query. Returns false if the deadline passes
-  // first. Throws HttpError kUnavailable if BeginStop was called.
-  bool ExtractInTime(LocalizeRequest* request, ServerTimes* times) const;
+  // Stores the features of the query's images in the query. Makes room for other turns meanwhile.
+  // Returns false if the deadline passes first. Throws HttpError kUnavailable if BeginStop was
+  // called.
+  bool ExtractInTime(FairGate::Turn* turn, LocalizeRequest* request, ServerTimes* times) const;
   // Parses the body. Throws unless the features have the map's codec.
   LocalizeRequest Read(const ServedMap& map, const HttpRequest& http, BodyParser& parse) const;
   Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser& parse);

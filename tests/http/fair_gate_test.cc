@@ -173,6 +173,107 @@ TEST(FairGate, PatienceCountsAgainWhenATurnEnds) {
   EXPECT_EQ(waiters.order(), std::vector<int>{0});
 }
 
+// An attacker's turn that asks again and again whether to make room.
+class LongTurn {
+ public:
+  explicit LongTurn(FairGate* gate, Clock::time_point deadline = kNever)
+      : thread_([this, gate, deadline] {
+          Turn turn(gate, kAttacker, deadline);
+          has_entered_ = true;
+          while (!may_end_) {
+            turn.MakeRoom();
+            ++num_pieces_;
+          }
+        }) {
+    while (!has_entered_) {
+      std::this_thread::yield();
+    }
+  }
+  ~LongTurn() {
+    may_end_ = true;
+    thread_.join();
+  }
+  int num_pieces() const { return num_pieces_; }
+
+ private:
+  std::atomic<bool> has_entered_{false}, may_end_{false};
+  std::atomic<int> num_pieces_{0};
+  std::thread thread_;
+};
+
+void WaitUntilPaused(const FairGate& gate, int num_paused) {
+  while (gate.num_paused() != num_paused) {
+    std::this_thread::yield();
+  }
+}
+
+const FairGateOptions kTwoSlots = {.num_slots = 2, .max_waiting = 100, .patience = milliseconds(0)};
+
+TEST(FairGate, ALongTurnPausesWhileAnotherClientComputes) {
+  FairGate gate(kTwoSlots);
+  const auto other = Enter(&gate, kAttacker);
+  const LongTurn attacker(&gate);
+  for (int i = 0; i < 3; ++i) {
+    const auto good = Enter(&gate, kGood);
+    WaitUntilPaused(gate, 1);
+    const int num_pieces = attacker.num_pieces();
+    EXPECT_EQ(Enter(&gate, kAttacker, Clock::now() + milliseconds(5))->outcome(), Outcome::kLate);
+    EXPECT_EQ(attacker.num_pieces(), num_pieces);
+  }
+  WaitUntilPaused(gate, 0);  // The slot is free again.
+}
+
+TEST(FairGate, ATurnPausesForHalfOfItsTimeOnly) {
+  FairGate gate(kTwoSlots);
+  const auto other = Enter(&gate, kAttacker);
+  const Clock::time_point start = Clock::now();
+  Turn attacker(&gate, kAttacker, start + milliseconds(40));
+  const auto good = Enter(&gate, kGood);
+  attacker.MakeRoom();  // Returns, although the other turns do not end.
+  EXPECT_GE(Clock::now(), start + milliseconds(20));
+  attacker.MakeRoom();
+  EXPECT_EQ(gate.num_paused(), 0);
+}
+
+// What a client asks for one after the other takes as long as before. Any of these would pause for
+// half an hour.
+TEST(FairGate, AClientsOnlyTurnDoesNotPause) {
+  FairGate gate(kTwoSlots);
+  const auto first = Enter(&gate, kAttacker);
+  const auto second = Enter(&gate, kGood);
+  const auto third = Enter(&gate, kOther);
+  first->MakeRoom();
+  second->MakeRoom();
+  third->MakeRoom();
+  EXPECT_EQ(gate.num_paused(), 0);
+}
+
+TEST(FairGate, NoTurnPausesWhileThereAreSlotsForAll) {
+  FairGateOptions options = kTwoSlots;
+  options.num_slots = 3;
+  FairGate gate(options);
+  const auto first = Enter(&gate, kAttacker);
+  const auto second = Enter(&gate, kAttacker);
+  const auto good = Enter(&gate, kGood);
+  first->MakeRoom();
+  EXPECT_EQ(gate.num_paused(), 0);
+}
+
+// What has begun holds memory.
+TEST(FairGate, APausedTurnGoesOnBeforeItsClientBeginsAnother) {
+  FairGate gate(kTwoSlots);
+  const auto other = Enter(&gate, kAttacker);
+  const LongTurn attacker(&gate);
+  auto good = Enter(&gate, kGood);
+  WaitUntilPaused(gate, 1);
+  Waiters waiters(&gate);
+  waiters.Add(kAttacker, 0, Clock::now() + milliseconds(20));
+  good.reset();
+  WaitUntilPaused(gate, 0);
+  waiters.Join();
+  EXPECT_EQ(waiters.refused(), 0);  // Its time has passed.
+}
+
 TEST(FairGate, TheClientWithMostWaitingRequestsLosesOne) {
   FairGateOptions options = Slots(1);
   options.max_waiting = 3;
