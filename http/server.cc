@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -151,6 +152,11 @@ void Server::ReloadKeys() {
   try {
     const std::vector<ApiKey> keys = ReadKeyFile(*impl_->api_keys_path);
     impl_->keys->Replace(keys);
+    std::set<std::string> labels;
+    for (const ApiKey& key : keys) {
+      labels.insert(key.label);
+    }
+    impl_->service.metrics().KeepClients(labels);
     LogInfo("{} API keys are valid now", keys.size());
   } catch (const std::exception& error) {
     LogError("{}; the API keys of before stay valid", error.what());

@@ -108,6 +108,13 @@ void Metrics::CountClient(const std::string& label, int status) {
   ++client_requests_[is_new && is_full ? kOtherLabels : label][status];
 }
 
+void Metrics::KeepClients(const std::set<std::string>& labels) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(client_requests_, [&](const auto& entry) {
+    return entry.first != kOtherLabels && !labels.contains(entry.first);
+  });
+}
+
 uint64_t Metrics::num_requests() const {
   const std::lock_guard lock(mutex_);
   uint64_t sum = 0;

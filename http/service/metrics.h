@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -58,6 +59,9 @@ class Metrics {
   // `label` is that of the request's API key. Labels beyond the first kMaxLabels share one series.
   void CountClient(const std::string& label, int status);
   static constexpr size_t kMaxLabels = 256;
+  // Forgets the series of all other labels. Otherwise keys that were replaced would keep the room
+  // of their successors.
+  void KeepClients(const std::set<std::string>& labels);
   uint64_t num_requests() const;  // Counted so far.
   // Stages that did not run add nothing to the histograms. `is_stale` says that the answer is from
   // a map that may be out of date.

@@ -199,6 +199,9 @@ TEST_F(ApiKeys, AreReadAgain) {
   guarded_->ReloadKeys();
   EXPECT_EQ(StatusOf("/v1/tiles", "new"), 200);
   EXPECT_EQ(StatusOf("/v1/tiles", "viewer"), 401);
+  const std::string metrics = Request("GET", "/metrics", "X-API-Key: new-secret").body;
+  EXPECT_THAT(metrics, HasSubstr("label=\"new\""));
+  EXPECT_THAT(metrics, Not(HasSubstr("label=\"viewer\"")));
 }
 
 TEST_F(ApiKeys, StayIfTheNewFileIsBroken) {

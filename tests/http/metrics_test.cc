@@ -49,6 +49,20 @@ TEST(Metrics, LabelsAreBounded) {
               HasSubstr("cairn_client_requests_total{label=\"(other)\",status=\"200\"} 10\n"));
 }
 
+// Who replaces keys now and then does not run out of labels.
+TEST(Metrics, LabelsOfFormerKeysAreForgotten) {
+  Metrics metrics;
+  for (size_t i = 0; i < 2 * Metrics::kMaxLabels; ++i) {
+    metrics.CountClient("old" + std::to_string(i), 200);
+  }
+  metrics.KeepClients({"old1", "new"});
+  metrics.CountClient("new", 200);
+  const std::string text = metrics.Render({});
+  EXPECT_THAT(text, HasSubstr("cairn_client_requests_total{label=\"new\",status=\"200\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("cairn_client_requests_total{label=\"old1\",status=\"200\"} 1\n"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("old0")));
+}
+
 TEST(Metrics, OnlyQueriesThatLoadedTilesFetched) {
   Metrics metrics;
   LocalizeResult warm;
