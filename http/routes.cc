@@ -50,22 +50,22 @@ void AddApi(LocalizeService* service, Router* router) {
                [=](const HttpRequest&, const Id&) { return HandleVersion(*service); }});
 }
 
+RouteHandler Page(std::string_view content, const char* content_type) {
+  return [answer = Asset(content, content_type)](const HttpRequest& request, const Id&) {
+    return answer(request);
+  };
+}
+
 void AddPages(Router* router) {
-  router->Add({"GET", "/openapi.json", kOpen, [](const HttpRequest& request, const Id&) {
-                 return Asset(request, http_web::k_openapi_json, "application/json");
-               }});
+  router->Add({"GET", "/openapi.json", kOpen, Page(http_web::k_openapi_json, "application/json")});
   router->Add({"GET", "/", kOpen, [](const HttpRequest&, const Id&) { return Redirect("ui"); }});
   router->Add(
       {"GET", "/ui/", kOpen, [](const HttpRequest&, const Id&) { return Redirect("../ui"); }});
-  router->Add({"GET", "/ui", kOpen, [](const HttpRequest& request, const Id&) {
-                 return Asset(request, http_web::k_index_html, "text/html; charset=utf-8");
-               }});
-  router->Add({"GET", "/ui/app.js", kOpen, [](const HttpRequest& request, const Id&) {
-                 return Asset(request, http_web::k_app_js, "text/javascript; charset=utf-8");
-               }});
-  router->Add({"GET", "/ui/style.css", kOpen, [](const HttpRequest& request, const Id&) {
-                 return Asset(request, http_web::k_style_css, "text/css; charset=utf-8");
-               }});
+  router->Add({"GET", "/ui", kOpen, Page(http_web::k_index_html, "text/html; charset=utf-8")});
+  router->Add(
+      {"GET", "/ui/app.js", kOpen, Page(http_web::k_app_js, "text/javascript; charset=utf-8")});
+  router->Add(
+      {"GET", "/ui/style.css", kOpen, Page(http_web::k_style_css, "text/css; charset=utf-8")});
 }
 
 void AddAdmin(LocalizeService* service, Router* router) {

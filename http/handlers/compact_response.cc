@@ -12,6 +12,29 @@ namespace {
 
 constexpr size_t kMaxPlainBytes = 1400;  // Fits into one packet.
 
+std::string TagOf(std::string_view body) {
+  Fingerprint contents;
+  contents.Add(body);
+  // Weak, because the compressed and the plain body share the tag.
+  return fmt::format("W/\"{:016x}\"", contents.value());
+}
+
+bool WantsGzip(const HttpRequest& request, size_t num_bytes) {
+  return num_bytes > kMaxPlainBytes && AcceptsGzip(request.Header("accept-encoding"));
+}
+
+HttpResponse Unchanged(HttpResponse response) {
+  response.status = 304;
+  response.content_type.clear();
+  response.body.clear();
+  return response;
+}
+
+HttpResponse WithNegotiatedTag(HttpResponse response, const std::string& tag) {
+  response.headers.emplace_back("Vary", "Accept-Encoding");
+  return WithTag(std::move(response), tag);
+}
+
 }  // namespace
 
 bool IsUnchanged(const HttpRequest& request, std::string_view tag) {
@@ -30,21 +53,29 @@ HttpResponse WithTag(HttpResponse response, const std::string& tag) {
 }
 
 HttpResponse Compact(const HttpRequest& request, HttpResponse response) {
-  Fingerprint contents;
-  contents.Add(response.body);
-  // Weak, because the compressed and the plain body share the tag.
-  const std::string tag = fmt::format("W/\"{:016x}\"", contents.value());
+  const std::string tag = TagOf(response.body);
   if (IsUnchanged(request, tag)) {
-    response.status = 304;
-    response.content_type.clear();
-    response.body.clear();
-  } else if (response.body.size() > kMaxPlainBytes &&
-             AcceptsGzip(request.Header("accept-encoding"))) {
+    response = Unchanged(std::move(response));
+  } else if (WantsGzip(request, response.body.size())) {
     response.body = Gzip(response.body);
     response.headers.emplace_back("Content-Encoding", "gzip");
   }
-  response.headers.emplace_back("Vary", "Accept-Encoding");
-  return WithTag(std::move(response), tag);
+  return WithNegotiatedTag(std::move(response), tag);
+}
+
+FixedBody::FixedBody(std::string_view body)
+    : plain_(body), zipped_(Gzip(body, GzipEffort::kMost)), tag_(TagOf(body)) {}
+
+HttpResponse FixedBody::AddTo(const HttpRequest& request, HttpResponse response) const {
+  if (IsUnchanged(request, tag_)) {
+    response = Unchanged(std::move(response));
+  } else if (WantsGzip(request, plain_.size())) {
+    response.body = zipped_;
+    response.headers.emplace_back("Content-Encoding", "gzip");
+  } else {
+    response.body = plain_;
+  }
+  return WithNegotiatedTag(std::move(response), tag_);
 }
 
 }  // namespace cairn

@@ -19,6 +19,18 @@ HttpResponse WithTag(HttpResponse response, const std::string& tag);
 // already. Compresses a body of more than one packet if the client accepts gzip.
 HttpResponse Compact(const HttpRequest& request, HttpResponse response);
 
+// A body that all requests get. It is tagged and compressed once, not for each request.
+class FixedBody {
+ public:
+  explicit FixedBody(std::string_view body);
+
+  // As Compact: `response` with this body.
+  HttpResponse AddTo(const HttpRequest& request, HttpResponse response) const;
+
+ private:
+  std::string plain_, zipped_, tag_;
+};
+
 }  // namespace cairn
 
 #endif  // CAIRN_HTTP_HANDLERS_COMPACT_RESPONSE_H_

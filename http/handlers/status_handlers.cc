@@ -128,14 +128,16 @@ HttpResponse Redirect(const char* location) {
   return {.status = 302, .headers = {{"Location", location}}};
 }
 
-HttpResponse Asset(const HttpRequest& request, std::string_view content, const char* content_type) {
-  return Compact(
-      request,
-      {.status = 200,
-       .content_type = content_type,
-       .body = std::string(content),
-       .headers = {{"Content-Security-Policy",
-                    "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"}}});
+std::function<HttpResponse(const HttpRequest&)> Asset(std::string_view content,
+                                                      const char* content_type) {
+  return [body = FixedBody(content), content_type](const HttpRequest& request) {
+    return body.AddTo(
+        request, {.status = 200,
+                  .content_type = content_type,
+                  .headers = {{"Content-Security-Policy",
+                               "default-src 'self'; img-src 'self' blob: data:; frame-ancestors "
+                               "'none'"}}});
+  };
 }
 
 }  // namespace cairn

@@ -2,6 +2,7 @@
 #ifndef CAIRN_HTTP_HANDLERS_STATUS_HANDLERS_H_
 #define CAIRN_HTTP_HANDLERS_STATUS_HANDLERS_H_
 
+#include <functional>
 #include <string_view>
 
 #include "http/net/message.h"
@@ -24,8 +25,9 @@ HttpResponse HandleVersion(const LocalizeService& service);
 // front may serve the API under a prefix of the path.
 HttpResponse Redirect(const char* location);
 
-// The response with an embedded file.
-HttpResponse Asset(const HttpRequest& request, std::string_view content, const char* content_type);
+// Answers each request with an embedded file.
+std::function<HttpResponse(const HttpRequest&)> Asset(std::string_view content,
+                                                      const char* content_type);
 
 }  // namespace cairn
 

@@ -32,12 +32,13 @@ bool AcceptsGzip(std::string_view accept_encoding) {
   return false;
 }
 
-std::string Gzip(std::string_view bytes) {
+std::string Gzip(std::string_view bytes, GzipEffort effort) {
   constexpr int kGzipWindow = 15 + 16;  // The largest window; 16 asks for the format of gzip.
   constexpr int kMemoryLevel = 8;       // The default.
+  const int level = effort == GzipEffort::kMost ? Z_BEST_COMPRESSION : Z_BEST_SPEED;
   z_stream stream{};
-  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzipWindow, kMemoryLevel,
-                   Z_DEFAULT_STRATEGY) != Z_OK) {
+  if (deflateInit2(&stream, level, Z_DEFLATED, kGzipWindow, kMemoryLevel, Z_DEFAULT_STRATEGY) !=
+      Z_OK) {
     throw Error(ErrorCode::kInternal, "zlib cannot start");
   }
   std::string zipped(deflateBound(&stream, bytes.size()), '\0');

@@ -10,9 +10,15 @@ namespace cairn {
 // True if an Accept-Encoding (RFC 9110 section 12.5.3) allows gzip.
 bool AcceptsGzip(std::string_view accept_encoding);
 
-// Returns the bytes in the format of gzip (RFC 1952). Uses zlib's fastest level: a list of tiles
-// shrinks to a tenth, and the next levels take several times as long for a few percent.
-std::string Gzip(std::string_view bytes);
+enum class GzipEffort {
+  // For one response: a list of tiles shrinks to a tenth, and the next levels take several times as
+  // long for a few percent.
+  kLeast,
+  kMost,  // For what is compressed once and sent often.
+};
+
+// Returns the bytes in the format of gzip (RFC 1952).
+std::string Gzip(std::string_view bytes, GzipEffort effort = GzipEffort::kLeast);
 
 }  // namespace cairn
 
