@@ -10,6 +10,7 @@
 
 #include "core/logging.h"
 #include "core/printable.h"
+#include "ingest/ingest_option_visit.h"
 #include "ingest/session_refused.h"
 #include "storage/tile/content_digest.h"
 
@@ -61,18 +62,24 @@ void AddImage(const ReconImage& image, Hasher* hasher) {
   hasher->Add(image.features.descriptors);
 }
 
-void AddUpkeep(const UpkeepOptions& upkeep, Hasher* hasher) {
-  const LinkOptions& linking = upkeep.linking;
-  for (const double number :
-       {linking.placement_sigma_m, linking.max_distance_sigmas, linking.max_error_sigmas,
-        linking.keypoint_sigma_px, linking.max_azimuth_rad, linking.max_log2_size,
-        linking.max_orientation_rad, linking.max_distance_quantile, linking.max_ratio,
-        upkeep.merging.old_weight_share, upkeep.merging.same_look_share,
-        upkeep.merging.least_sigma_m, upkeep.viewpoints.radius_m, upkeep.viewpoints.angle_rad,
-        upkeep.persistence.loss_per_year, upkeep.persistence.least_miss_share}) {
-    hasher->Add(number);
+// Adds options in the order of their description. A changed order would make a new ingest of every
+// session in every map.
+class OptionHasher {
+ public:
+  explicit OptionHasher(Hasher* hasher) : hasher_(*hasher) {}
+
+  template <typename T>
+  void Visit(std::string_view, const T& value, const OptionRange&, std::string_view) const {
+    hasher_.Add(value);
   }
-}
+  template <typename Options>
+  void Section(std::string_view, const Options& options, std::string_view) const {
+    VisitOptions(options, *this);
+  }
+
+ private:
+  Hasher& hasher_;
+};
 
 // The parts of a digest: the reconstruction, how it was ingested, and the photos.
 constexpr size_t kRecordingDigits = 32, kIngestDigits = 48;
@@ -124,24 +131,11 @@ std::string DigestOf(const Sim3d& ecef_from_world, const IngestOptions& options)
   hasher.Add(ecef_from_world.translation);
   hasher.Add(options.recorded_at);
   hasher.Add(options.joining);
-  hasher.Add(options.selection.kind);
-  hasher.Add(options.selection.max_descriptors);
-  hasher.Add(options.selection.max_landmarks);
-  hasher.Add(options.selection.min_observations);
-  hasher.Add(options.selection.min_landmarks_per_keyframe);
-  hasher.Add(options.selection.missing_landmark_cost);
-  hasher.Add(options.selection.max_iterations);
-  hasher.Add(options.appearance.kind);
-  hasher.Add(options.appearance.count);
-  hasher.Add(options.appearance.ratio);
-  hasher.Add(options.appearance.min_count);
-  hasher.Add(options.appearance.max_count);
-  hasher.Add(options.appearance.seed);
+  VisitOptions(options.selection, OptionHasher(&hasher));
+  VisitOptions(options.appearance, OptionHasher(&hasher));
   hasher.Add(options.max_sigma_m);
   hasher.Add(options.max_reprojection_error_px);
-  hasher.Add(options.upkeep.enough_landmarks);
-  hasher.Add(options.upkeep.least_existence);
-  AddUpkeep(options.upkeep, &hasher);
+  VisitOptions(options.upkeep, OptionHasher(&hasher));
   // Sessions of before that there was a choice keep their digests.
   if (options.fitting != SessionFitting::kBend) {
     hasher.Add(options.fitting);

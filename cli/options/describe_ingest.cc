@@ -1,4 +1,10 @@
+#include <string>
+#include <string_view>
+#include <type_traits>
+
 #include "cli/options/cairn_options.h"
+#include "ingest/codebook/codebook_option_visit.h"
+#include "ingest/ingest_option_visit.h"
 
 namespace cairn {
 namespace {
@@ -18,127 +24,33 @@ constexpr EnumName<Unanchored> kUnanchoredNames[] = {{"accept", Unanchored::kAcc
 constexpr EnumName<SessionFitting> kFittingNames[] = {{"bend", SessionFitting::kBend},
                                                       {"adjust", SessionFitting::kAdjust}};
 
-void DescribeCodebook(CodebookOptions* options, OptionList* list) {
-  list->Add(
-      "source", &options->source, kCodebookSourceNames,
-      "Codebook of a new map: the one that comes with Cairn, one that is trained on the "
-      "first session, or (auto) trained if the session has min_training_descriptors, else shipped");
-  list->Add("min_training_descriptors", &options->min_training_descriptors,
-            "For auto: fewest descriptors of landmarks in the first session that train a codebook");
-  list->Add("projection", &options->projection, kProjectionNames,
-            "principal_components keeps what varies most; likelihood_ratio keeps what tells "
-            "landmarks apart");
-  list->Add("projected_dim", &options->projected_dim,
-            "Dimensions of a descriptor after the projection");
-  list->Add("num_subspaces", &options->num_subspaces,
-            "Bytes of a descriptor; has to divide projected_dim");
-  list->Add("max_training_descriptors", &options->max_training_descriptors,
-            "Most descriptors that the codebook is trained on");
-  list->Add("seed", &options->seed, "Seed of the training");
-}
+const auto& NamesOf(CodebookSource) { return kCodebookSourceNames; }
+const auto& NamesOf(ProjectionKind) { return kProjectionNames; }
+const auto& NamesOf(LandmarkSelectionKind) { return kLandmarkSelectionNames; }
+const auto& NamesOf(AppearanceKind) { return kAppearanceNames; }
+const auto& NamesOf(Unanchored) { return kUnanchoredNames; }
 
-void DescribeSelection(LandmarkSelectionOptions* options, OptionList* list) {
-  list->Add("kind", &options->kind, kLandmarkSelectionNames,
-            "observation_count keeps the most observed landmarks of each keyframe; coverage solves "
-            "the paper's integer program, which is better below 16,000 descriptors");
-  list->Add("max_descriptors", &options->max_descriptors, "Most descriptors of a tile");
-  list->Add("min_observations", &options->min_observations, "Fewest observations of a landmark");
-  list->Add("max_landmarks", &options->max_landmarks,
-            "For coverage: most landmarks of a tile, in place of max_descriptors; 0: "
-            "max_descriptors counts");
-  list->Add("min_landmarks_per_keyframe", &options->min_landmarks_per_keyframe,
-            "For coverage: landmarks that each keyframe should see");
-  list->Add("missing_landmark_cost", &options->missing_landmark_cost,
-            "For coverage: cost of each landmark that a keyframe lacks, in observations");
-  list->Add("max_iterations", &options->max_iterations, "For coverage: most rounds of the solver");
-}
+// Adds what VisitOptions tells to a list.
+class OptionLister {
+ public:
+  explicit OptionLister(OptionList* list) : list_(*list) {}
 
-void DescribeAppearance(AppearanceOptions* options, OptionList* list) {
-  list->Add("kind", &options->kind, kAppearanceNames,
-            "Descriptors of a landmark: means of clusters, their medoids, or a random subset");
-  list->Add("count", &options->count,
-            "Descriptors of every landmark; 0 takes ratio, min_count and max_count instead");
-  list->Add("ratio", &options->ratio, "Share of a landmark's descriptors that is kept");
-  list->Add("min_count", &options->min_count, "Fewest descriptors of a landmark");
-  list->Add("max_count", &options->max_count, "Most descriptors of a landmark");
-  list->Add("seed", &options->seed, "Seed of clusters and subsets");
-}
+  template <typename T>
+  void Visit(std::string_view name, T& value, const OptionRange&, std::string_view meaning) const {
+    if constexpr (std::is_enum_v<T>) {
+      list_.Add(name, &value, NamesOf(value), std::string(meaning));
+    } else {
+      list_.Add(name, &value, std::string(meaning));
+    }
+  }
+  template <typename Options>
+  void Section(std::string_view name, Options& options, std::string_view meaning) const {
+    list_.AddSection(name, std::string(meaning), [&] { VisitOptions(options, *this); });
+  }
 
-void DescribeAgreement(AgreementOptions* options, OptionList* list) {
-  list->Add("max_moved_m", &options->max_moved_m,
-            "Farthest that a session with accurate positions is moved, meters");
-  list->Add("max_turned_rad", &options->max_turned_rad,
-            "Most that a session with accurate positions is turned, radians");
-  list->Add("max_scale_change", &options->max_scale_change,
-            "Largest difference of a session's size, as share");
-  list->Add(
-      "position_accuracy_m", &options->position_accuracy_m,
-      "Radius that contains 68 % of the positions that placed the session, meters; the limits "
-      "above grow with it. 0: that of --georef or --gps-accuracy");
-  list->Add("min_agreeing_share", &options->min_agreeing_share,
-            "Smallest share of the recognized photos that one motion of the session explains");
-  list->Add("min_recognized_share", &options->min_recognized_share,
-            "Smallest share of the photos that the map should recognize and does");
-  list->Add("min_expected", &options->min_expected,
-            "With fewer photos that the map should recognize, min_recognized_share does not count");
-  list->Add("unanchored", &options->unanchored, kUnanchoredNames,
-            "What becomes of a session that is not anchored in the map: it is taken as it is, or "
-            "refused where the map knows the place, as cairn map does, or refused always");
-}
-
-void DescribeGate(GateOptions* options, OptionList* list) {
-  list->Add("max_lost_share", &options->max_lost_share,
-            "Largest share of the map's keyframes, of those that are asked for, that the new "
-            "version may no longer localize; 1 (--force): all of them");
-}
-
-void DescribeLinking(LinkOptions* options, OptionList* list) {
-  list->Add("placement_sigma_m", &options->placement_sigma_m,
-            "Standard deviation of a session's placement, meters");
-  list->Add("max_distance_sigmas", &options->max_distance_sigmas,
-            "Largest distance of two landmarks, standard deviations");
-  list->Add("max_error_sigmas", &options->max_error_sigmas,
-            "Largest error of the known landmark in the session's photos, standard deviations");
-  list->Add("keypoint_sigma_px", &options->keypoint_sigma_px,
-            "Standard deviation of a keypoint at a focal length of 500 pixels, pixels");
-  list->Add("max_azimuth_rad", &options->max_azimuth_rad,
-            "Largest difference of viewing directions, radians");
-  list->Add("max_log2_size", &options->max_log2_size, "Largest difference of sizes, octaves");
-  list->Add("max_orientation_rad", &options->max_orientation_rad,
-            "Largest difference of orientations, radians");
-  list->Add("max_distance_quantile", &options->max_distance_quantile,
-            "Largest descriptor distance, as quantile of distances within landmarks");
-  list->Add("max_ratio", &options->max_ratio,
-            "Largest ratio of squared descriptor distances to the second best landmark");
-}
-
-void DescribeUpkeep(UpkeepOptions* options, OptionList* list) {
-  list->Add("enough_landmarks", &options->enough_landmarks,
-            "A session adds landmarks until each of its photos sees this many");
-  list->Add("least_existence", &options->least_existence,
-            "Landmarks that exist with a smaller probability go");
-  list->AddSection("linking", "When a landmark of a session is one of the map",
-                   [&] { DescribeLinking(&options->linking, list); });
-  list->AddSection("merging", "How sessions share a landmark", [&] {
-    list->Add("old_weight_share", &options->merging.old_weight_share,
-              "Weight of the sights before a session, as share");
-    list->Add("same_look_share", &options->merging.same_look_share,
-              "Descriptors are averaged up to this share of the median distance within landmarks");
-    list->Add("least_sigma_m", &options->merging.least_sigma_m,
-              "Smallest standard deviation of a position, meters");
-  });
-  list->AddSection("viewpoints", "When two photos have the same viewpoint", [&] {
-    list->Add("radius_m", &options->viewpoints.radius_m, "Largest distance, meters");
-    list->Add("angle_rad", &options->viewpoints.angle_rad,
-              "Largest angle between optical axes, radians");
-  });
-  list->AddSection("persistence", "How landmarks fade", [&] {
-    list->Add("loss_per_year", &options->persistence.loss_per_year,
-              "Probability that a landmark is gone within a year");
-    list->Add("least_miss_share", &options->persistence.least_miss_share,
-              "Smallest probability that a session misses a landmark that is there");
-  });
-}
+ private:
+  OptionList& list_;
+};
 
 }  // namespace
 
@@ -156,19 +68,14 @@ void DescribeIngest(IngestOptions* options, OptionList* list) {
   list->Add("fitting", &options->fitting, kFittingNames,
             "How an anchored session follows the map: bent by a smooth drift, or also adjusted "
             "with the landmarks of the map held; cairn map adjusts");
-  list->AddSection("codebook",
-                   "How descriptors are compressed; counts for the first session of a map only",
-                   [&] { DescribeCodebook(&options->codebook, list); });
-  list->AddSection("selection", "Which landmarks of a tile are kept",
-                   [&] { DescribeSelection(&options->selection, list); });
-  list->AddSection("appearance", "Which descriptors represent a landmark",
-                   [&] { DescribeAppearance(&options->appearance, list); });
-  list->AddSection("agreement", "How far a session may contradict the map",
-                   [&] { DescribeAgreement(&options->agreement, list); });
-  list->AddSection("gate", "What an update may take from the map",
-                   [&] { DescribeGate(&options->gate, list); });
-  list->AddSection("upkeep", "What becomes of a place that the map knows",
-                   [&] { DescribeUpkeep(&options->upkeep, list); });
+  const OptionLister lister(list);
+  lister.Section("codebook", options->codebook,
+                 "How descriptors are compressed; counts for the first session of a map only");
+  lister.Section("selection", options->selection, "Which landmarks of a tile are kept");
+  lister.Section("appearance", options->appearance, "Which descriptors represent a landmark");
+  lister.Section("agreement", options->agreement, "How far a session may contradict the map");
+  lister.Section("gate", options->gate, "What an update may take from the map");
+  lister.Section("upkeep", options->upkeep, "What becomes of a place that the map knows");
 }
 
 }  // namespace cairn

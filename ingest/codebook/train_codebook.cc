@@ -18,6 +18,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "core/require.h"
+#include "ingest/codebook/codebook_option_visit.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
@@ -314,14 +315,9 @@ void MeasureDistances(const Reconstruction& reconstruction, std::mt19937_64* rng
 }  // namespace
 
 void CodebookOptions::Validate() const {
-  RequireWithin("ingest.codebook.projected_dim", projected_dim, 1, 256);
-  RequireWithin("ingest.codebook.num_subspaces", num_subspaces, 1, 64);
+  CheckOptions("ingest.codebook", *this);
   RequireOption(projected_dim % num_subspaces == 0,
                 "ingest.codebook.num_subspaces must divide projected_dim");
-  RequireOption(max_training_descriptors >= Codebook::kNumWords,
-                "ingest.codebook.max_training_descriptors must be at least 256");
-  RequireOption(min_training_descriptors >= 0,
-                "ingest.codebook.min_training_descriptors must not be negative");
 }
 
 Codebook TrainCodebook(const Reconstruction& reconstruction, const CodebookOptions& options) {

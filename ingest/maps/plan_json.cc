@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "ingest/maps/plan_options.h"
+#include "ingest/ingest_option_visit.h"
 
 namespace cairn {
 namespace {
@@ -87,17 +87,53 @@ Id IdFromJson(const Json& json) {
   return Id(value);
 }
 
+// Writes options as members whose names have the section before a dot: "linking.max_ratio".
+class OptionsWriter {
+ public:
+  OptionsWriter(std::string prefix, Json* json) : prefix_(std::move(prefix)), json_(*json) {}
+
+  template <typename T>
+  void Visit(std::string_view name, const T& value, const OptionRange&, std::string_view) const {
+    json_[fmt::format("{}{}", prefix_, name)] = ValueJson(value);
+  }
+  template <typename Options>
+  void Section(std::string_view name, const Options& options, std::string_view) const {
+    VisitOptions(options, OptionsWriter(fmt::format("{}.", name), &json_));
+  }
+
+ private:
+  std::string prefix_;
+  Json& json_;
+};
+
+// Reads what OptionsWriter writes.
+class OptionsReader {
+ public:
+  OptionsReader(std::string prefix, const Json* json) : prefix_(std::move(prefix)), json_(*json) {}
+
+  template <typename T>
+  void Visit(std::string_view name, T& value, const OptionRange&, std::string_view) const {
+    ReadValue(json_.at(fmt::format("{}{}", prefix_, name)), &value);
+  }
+  template <typename Options>
+  void Section(std::string_view name, Options& options, std::string_view) const {
+    VisitOptions(options, OptionsReader(fmt::format("{}.", name), &json_));
+  }
+
+ private:
+  std::string prefix_;
+  const Json& json_;
+};
+
 Json OptionsJson(const TileOptions& options) {
   Json json = Json::object();
-  VisitTileOptions(options,
-                   [&](const char* name, const auto& value) { json[name] = ValueJson(value); });
+  VisitOptions(options, OptionsWriter("", &json));
   return json;
 }
 
 TileOptions OptionsFromJson(const Json& json) {
   TileOptions options;
-  VisitTileOptions(options,
-                   [&](const char* name, auto& value) { ReadValue(json.at(name), &value); });
+  VisitOptions(options, OptionsReader("", &json));
   if (options.joining > SessionJoining::kApart ||
       options.selection.kind > LandmarkSelectionKind::kCoverage) {
     Refuse("a choice is out of range");

@@ -11,6 +11,7 @@
 #include "core/check.h"
 #include "core/random.h"
 #include "core/require.h"
+#include "ingest/tiles/tile_option_visit.h"
 
 namespace cairn {
 namespace {
@@ -198,9 +199,7 @@ class RandomSummarizer : public SeededSummarizer {
 }  // namespace
 
 void AppearanceOptions::Validate() const {
-  RequireOption(count >= 0, "ingest.appearance.count must not be negative");
-  RequireWithin("ingest.appearance.ratio", ratio, 0.0, 1.0);
-  RequireOption(min_count >= 1, "ingest.appearance.min_count must be at least 1");
+  CheckOptions("ingest.appearance", *this);
   RequireOption(max_count >= min_count, "ingest.appearance.max_count must be at least min_count");
 }
 

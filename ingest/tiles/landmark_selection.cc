@@ -1,14 +1,12 @@
 #include "ingest/tiles/landmark_selection.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "core/check.h"
-#include "core/require.h"
 #include "ingest/tiles/landmark_coverage.h"
+#include "ingest/tiles/tile_option_visit.h"
 
 namespace cairn {
 namespace {
@@ -106,19 +104,7 @@ class CoverageSelector : public LandmarkSelector {
 
 }  // namespace
 
-void LandmarkSelectionOptions::Validate() const {
-  const auto require = [](bool ok, const char* what, auto is) {
-    RequireOption(ok, fmt::format("ingest.selection.{}, is {}", what, is));
-  };
-  require(max_descriptors >= 1, "max_descriptors must be at least 1", max_descriptors);
-  require(min_observations >= 2, "min_observations must be at least 2", min_observations);
-  require(max_landmarks >= 0, "max_landmarks must not be negative", max_landmarks);
-  require(min_landmarks_per_keyframe >= 0, "min_landmarks_per_keyframe must not be negative",
-          min_landmarks_per_keyframe);
-  require(missing_landmark_cost >= 0.0 && std::isfinite(missing_landmark_cost),
-          "missing_landmark_cost must not be negative", missing_landmark_cost);
-  require(max_iterations >= 1, "max_iterations must be at least 1", max_iterations);
-}
+void LandmarkSelectionOptions::Validate() const { CheckOptions("ingest.selection", *this); }
 
 std::unique_ptr<LandmarkSelector> MakeObservationCountSelector(
     const LandmarkSelectionOptions& options) {

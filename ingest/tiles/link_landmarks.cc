@@ -15,7 +15,7 @@
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/keypoint_shape.h"
-#include "core/require.h"
+#include "ingest/tiles/tile_option_visit.h"
 #include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
@@ -312,18 +312,7 @@ class LinkProposer {
 
 }  // namespace
 
-void LinkOptions::Validate() const {
-  RequireOption(placement_sigma_m >= 0.0, "linking.placement_sigma_m must not be negative");
-  RequireOption(max_distance_sigmas > 0.0, "linking.max_distance_sigmas must be positive");
-  RequireOption(max_error_sigmas > 0.0, "linking.max_error_sigmas must be positive");
-  RequireOption(keypoint_sigma_px > 0.0, "linking.keypoint_sigma_px must be positive");
-  RequireOption(max_azimuth_rad > 0.0, "linking.max_azimuth_rad must be positive");
-  RequireOption(max_log2_size > 0.0, "linking.max_log2_size must be positive");
-  RequireOption(max_orientation_rad > 0.0, "linking.max_orientation_rad must be positive");
-  RequireOption(max_distance_quantile >= 0.05 && max_distance_quantile <= 0.95,
-                "linking.max_distance_quantile must be between 0.05 and 0.95");
-  RequireOption(max_ratio > 0.0 && max_ratio <= 1.0, "linking.max_ratio must be in (0, 1]");
-}
+void LinkOptions::Validate() const { CheckOptions("ingest.upkeep.linking", *this); }
 
 std::vector<LinkProposal> ProposeLinks(const Reconstruction& reconstruction,
                                        const PlacedSession& session, const Tile& known,

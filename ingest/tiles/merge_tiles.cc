@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/check.h"
-#include "core/require.h"
 #include "ingest/tiles/landmark_history.h"
 #include "ingest/tiles/tile_edit.h"
+#include "ingest/tiles/tile_option_visit.h"
 #include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
@@ -222,12 +222,7 @@ class TileMerger {
 
 }  // namespace
 
-void MergeOptions::Validate() const {
-  RequireOption(old_weight_share >= 0.0 && old_weight_share <= 1.0,
-                "merging.old_weight_share must be between 0 and 1");
-  RequireOption(same_look_share >= 0.0, "merging.same_look_share must not be negative");
-  RequireOption(least_sigma_m > 0.0, "merging.least_sigma_m must be positive");
-}
+void MergeOptions::Validate() const { CheckOptions("ingest.upkeep.merging", *this); }
 
 Tile MergeTiles(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
                 const AppearanceSummarizer& summarizer, const MergeOptions& options) {
