@@ -4,12 +4,12 @@
 #include <zstd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "ingest/maps/stored_values.h"
 #include "storage/tile/checksum.h"
 
 namespace cairn::archive {
@@ -29,22 +29,10 @@ void RequireEnd(const ByteReader& reader, const std::string& what) {
   }
 }
 
-// True if each value is exactly a number of one byte; -0 is not.
-bool AreBytes(const DescriptorMatrix& descriptors) {
-  return std::all_of(descriptors.data(), descriptors.data() + descriptors.size(), [](float value) {
-    return value >= 0.0f && value <= 255.0f && value == std::floor(value) && !std::signbit(value);
-  });
-}
-
 void PutDescriptors(const DescriptorMatrix& descriptors, ByteWriter* writer) {
-  const std::span<const float> values(descriptors.data(), descriptors.size());
-  if (!AreBytes(descriptors)) {
-    writer->Put(kFloat32);
-    return writer->PutArray(values);
-  }
-  writer->Put(kUint8);
-  const std::vector<uint8_t> bytes(values.begin(), values.end());
-  writer->PutArray(std::span<const uint8_t>(bytes));
+  const bool as_bytes = stored::AreBytes(descriptors);
+  writer->Put(as_bytes ? kUint8 : kFloat32);
+  stored::PutDescriptors(descriptors, as_bytes, writer);
 }
 
 DescriptorMatrix GetDescriptors(size_t num_rows, int dim, const std::string& what,
@@ -58,13 +46,7 @@ DescriptorMatrix GetDescriptors(size_t num_rows, int dim, const std::string& wha
   if (reader->remaining() != num_values * value_size) {
     ThrowDamaged(what, "the descriptors of an image contradict its keypoints");
   }
-  DescriptorMatrix descriptors(static_cast<Eigen::Index>(num_rows), dim);
-  if (kind == kFloat32) {
-    reader->GetArray(std::span<float>(descriptors.data(), num_values));
-  } else {
-    std::ranges::copy(reader->Take(num_values), descriptors.data());
-  }
-  return descriptors;
+  return stored::GetDescriptors(num_rows, static_cast<size_t>(dim), kind == kUint8, reader);
 }
 
 void PutKeypoints(const std::vector<Keypoint>& keypoints, ByteWriter* writer) {
@@ -94,10 +76,7 @@ std::vector<Keypoint> GetKeypoints(const std::string& what, ByteReader* reader) 
 
 Camera GetCamera(const std::string& what, ByteReader* reader) {
   try {
-    const CameraModel model = CameraModelFromColmapId(reader->Get<int32_t>());
-    const auto width_px = reader->Get<int32_t>();
-    const auto height_px = reader->Get<int32_t>();
-    return {model, width_px, height_px, reader->GetVector<double>(NumCameraParams(model))};
+    return stored::GetCamera(reader);
   } catch (const Error& error) {
     ThrowDamaged(what, error.what());
   }
@@ -178,16 +157,6 @@ std::vector<uint8_t> ReadBlock(std::istream* bytes, uint32_t max_block_bytes,
   return content;
 }
 
-void PutText(const std::string& text, ByteWriter* writer) {
-  writer->Put(static_cast<uint32_t>(text.size()));
-  writer->PutArray(std::span<const char>(text));
-}
-
-std::string GetText(ByteReader* reader) {
-  const std::span<const uint8_t> bytes = reader->Take(reader->Get<uint32_t>());
-  return {bytes.begin(), bytes.end()};
-}
-
 void PutRotation(const Eigen::Quaterniond& rotation, ByteWriter* writer) {
   writer->PutArray(std::span<const double>(rotation.coeffs().data(), 4));
 }
@@ -212,10 +181,7 @@ std::vector<uint8_t> EncodeCameras(const std::vector<Camera>& cameras) {
   std::vector<uint8_t> content;
   ByteWriter writer(&content);
   for (const Camera& camera : cameras) {
-    writer.Put(static_cast<int32_t>(camera.model()));
-    writer.Put(static_cast<int32_t>(camera.width_px()));
-    writer.Put(static_cast<int32_t>(camera.height_px()));
-    writer.PutArray(std::span<const double>(camera.params()));
+    stored::PutCamera(camera, &writer);
   }
   return content;
 }
@@ -234,7 +200,7 @@ std::vector<Camera> DecodeCameras(std::span<const uint8_t> content, size_t num_c
 std::vector<uint8_t> EncodeImage(const ReconImage& image) {
   std::vector<uint8_t> content;
   ByteWriter writer(&content);
-  PutText(image.name, &writer);
+  stored::PutText(image.name, &writer);
   writer.Put(static_cast<uint32_t>(image.camera_idx));
   PutRotation(image.cam_from_world.rotation, &writer);
   PutPoint(image.cam_from_world.translation, &writer);
@@ -247,7 +213,7 @@ ReconImage DecodeImage(std::span<const uint8_t> content, int descriptor_dim,
                        const std::string& what) {
   ByteReader reader(content, what);
   ReconImage image;
-  image.name = GetText(&reader);
+  image.name = stored::GetText(&reader);
   image.camera_idx = reader.Get<int32_t>();
   image.cam_from_world.rotation = GetRotation(&reader);
   image.cam_from_world.translation = GetPoint(&reader);

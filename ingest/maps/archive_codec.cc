@@ -16,9 +16,9 @@
 namespace cairn {
 namespace {
 
-using archive::GetText;
-using archive::PutText;
 using archive::ThrowDamaged;
+using stored::GetText;
+using stored::PutText;
 
 constexpr uint32_t kMagic = 0x53455343;  // "CSES".
 constexpr uint16_t kVersion = 1;

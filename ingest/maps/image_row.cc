@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "ingest/maps/require_input.h"
+#include "ingest/maps/stored_values.h"
 
 namespace cairn {
 namespace {
@@ -30,24 +31,6 @@ Rigid3d GetPose(ByteReader* reader) {
   return pose;
 }
 
-void PutCamera(const Camera& camera, ByteWriter* writer) {
-  writer->Put(static_cast<uint32_t>(camera.model()));
-  writer->Put(static_cast<int32_t>(camera.width_px()));
-  writer->Put(static_cast<int32_t>(camera.height_px()));
-  writer->PutArray(std::span<const double>(camera.params()));
-}
-
-Camera GetCamera(ByteReader* reader) {
-  const auto model_id = reader->Get<uint32_t>();
-  RequireInput(model_id <= static_cast<uint32_t>(CameraModel::kRadTanThinPrismFisheye),
-               "the camera of an image is of an unknown model");
-  const auto model = static_cast<CameraModel>(model_id);
-  const auto width_px = reader->Get<int32_t>();
-  const auto height_px = reader->Get<int32_t>();
-  return Camera(model, width_px, height_px,
-                reader->GetVector<double>(static_cast<size_t>(NumCameraParams(model))));
-}
-
 }  // namespace
 
 void PutImageRow(const KeyframeRecord& keyframe, ByteWriter* writer) {
@@ -55,16 +38,15 @@ void PutImageRow(const KeyframeRecord& keyframe, ByteWriter* writer) {
                "the name of an image is longer than 4096 bytes");
   writer->Put(Value(keyframe.id));
   PutPose(keyframe.cam_from_ecef, writer);
-  PutCamera(keyframe.camera, writer);
-  writer->Put(static_cast<uint32_t>(keyframe.image_name.size()));
-  writer->PutArray(std::span<const char>(keyframe.image_name));
+  stored::PutCamera(keyframe.camera, writer);
+  stored::PutText(keyframe.image_name, writer);
 }
 
 KeyframeRecord GetImageRow(ByteReader* reader) {
   KeyframeRecord keyframe;
   keyframe.id = KeyframeId(reader->Get<int64_t>());
   keyframe.cam_from_ecef = GetPose(reader);
-  keyframe.camera = GetCamera(reader);
+  keyframe.camera = stored::GetCamera(reader);
   const auto name_bytes = reader->Get<uint32_t>();
   RequireInput(keyframe.id >= KeyframeId(1) && name_bytes <= kMaxNameBytes,
                "the id or the name of an image is out of range");

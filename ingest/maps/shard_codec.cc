@@ -8,6 +8,7 @@
 
 #include "ingest/maps/image_row.h"
 #include "ingest/maps/require_input.h"
+#include "ingest/maps/stored_values.h"
 #include "storage/tile/byte_io.h"
 
 namespace cairn {
@@ -19,13 +20,6 @@ constexpr uint32_t kMaxDescriptorDim = 4096;
 constexpr uint32_t kFloatDescriptors = 0, kByteDescriptors = 1;
 constexpr size_t kLandmarkBytes = 44;
 
-// True if each element is a whole number that a byte holds. Those of COLMAP's SIFT are.
-bool AreBytes(const DescriptorMatrix& descriptors) {
-  return std::all_of(descriptors.data(), descriptors.data() + descriptors.size(), [](float value) {
-    return value >= 0.0f && value <= 255.0f && value == std::floor(value) && !std::signbit(value);
-  });
-}
-
 int64_t CountObservations(const TileShard& shard) {
   int64_t count = 0;
   for (const auto& observations : shard.session.observations_of_image) {
@@ -34,29 +28,14 @@ int64_t CountObservations(const TileShard& shard) {
   return count;
 }
 
-void PutDescriptors(const DescriptorMatrix& descriptors, uint32_t encoding, ByteWriter* writer) {
-  const std::span<const float> values(descriptors.data(), descriptors.size());
-  if (encoding == kFloatDescriptors) {
-    writer->PutArray(values);
-  } else {
-    const std::vector<uint8_t> bytes(values.begin(), values.end());
-    writer->PutArray(std::span<const uint8_t>(bytes));
-  }
-}
-
 DescriptorMatrix GetDescriptors(size_t num_rows, uint32_t dim, uint32_t encoding,
                                 ByteReader* reader) {
   const size_t element_bytes = encoding == kFloatDescriptors ? sizeof(float) : 1;
   RequireInput(num_rows <= reader->remaining() / (dim * element_bytes),
                "ends before its descriptors");
-  DescriptorMatrix descriptors(num_rows, dim);
-  if (encoding == kFloatDescriptors) {
-    reader->GetArray(std::span<float>(descriptors.data(), descriptors.size()));
-    RequireInput(descriptors.allFinite(), "a descriptor is not finite");
-  } else {
-    const std::span<const uint8_t> bytes = reader->Take(num_rows * dim);
-    std::copy(bytes.begin(), bytes.end(), descriptors.data());
-  }
+  DescriptorMatrix descriptors =
+      stored::GetDescriptors(num_rows, dim, encoding == kByteDescriptors, reader);
+  RequireInput(descriptors.allFinite(), "a descriptor is not finite");
   return descriptors;
 }
 
@@ -79,7 +58,7 @@ void PutImage(const TileShard& shard, size_t image_idx, uint32_t encoding, ByteW
       writer->Put(value);
     }
   }
-  PutDescriptors(image.features.descriptors, encoding, writer);
+  stored::PutDescriptors(image.features.descriptors, encoding == kByteDescriptors, writer);
 }
 
 std::vector<PlacedObservation> GetObservations(size_t count, size_t num_landmarks,
@@ -148,9 +127,9 @@ void GetLandmarks(size_t count, ByteReader* reader, TileShard* shard) {
 }
 
 uint32_t EncodingOf(const TileShard& shard) {
-  const bool are_bytes =
-      std::all_of(shard.reconstruction.images.begin(), shard.reconstruction.images.end(),
-                  [](const ReconImage& image) { return AreBytes(image.features.descriptors); });
+  const bool are_bytes = std::all_of(
+      shard.reconstruction.images.begin(), shard.reconstruction.images.end(),
+      [](const ReconImage& image) { return stored::AreBytes(image.features.descriptors); });
   return are_bytes ? kByteDescriptors : kFloatDescriptors;
 }
 

@@ -1,0 +1,34 @@
+// The values of which a plan and an archive are made, as bytes: texts, cameras and descriptors.
+// Private to ingest/maps.
+#ifndef CAIRN_INGEST_MAPS_STORED_VALUES_H_
+#define CAIRN_INGEST_MAPS_STORED_VALUES_H_
+
+#include <cstddef>
+#include <string>
+
+#include "core/camera.h"
+#include "core/features.h"
+#include "storage/tile/byte_io.h"
+
+namespace cairn::stored {
+
+// The length as 4 bytes, then the text.
+void PutText(const std::string& text, ByteWriter* writer);
+std::string GetText(ByteReader* reader);
+
+// The model by COLMAP's number, width and height as 4 bytes each, then the parameters.
+void PutCamera(const Camera& camera, ByteWriter* writer);
+// Throws what ByteReader and Camera throw.
+Camera GetCamera(ByteReader* reader);
+
+// True if each value is exactly a number of one byte; -0 is not. Those of COLMAP's SIFT are.
+bool AreBytes(const DescriptorMatrix& descriptors);
+
+// Row by row, a value in one byte (`as_bytes`; see AreBytes) or as a float.
+void PutDescriptors(const DescriptorMatrix& descriptors, bool as_bytes, ByteWriter* writer);
+// There must be that many values left; ByteReader throws if not.
+DescriptorMatrix GetDescriptors(size_t num_rows, size_t dim, bool as_bytes, ByteReader* reader);
+
+}  // namespace cairn::stored
+
+#endif  // CAIRN_INGEST_MAPS_STORED_VALUES_H_
