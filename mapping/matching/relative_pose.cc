@@ -1,6 +1,5 @@
 #include "mapping/matching/relative_pose.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -11,6 +10,7 @@
 #include <numeric>
 
 #include "core/angles.h"
+#include "core/least_squares.h"
 
 namespace cairn {
 namespace {
@@ -35,20 +35,14 @@ Rigid3d Moved(const Rigid3d& b_from_a, const Tangent& step) {
   return {ExpSo3(step.head<3>()) * b_from_a.rotation, direction.normalized()};
 }
 
-struct RelativeEquations {
-  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
-  Tangent gradient = Tangent::Zero();
-  double cost = 0.0;
-};
-
 // The derivative treats the variances as constants; they change slowly.
-RelativeEquations LinearizeRelative(std::span<const RayMatch> matches, std::span<const int> inliers,
-                                    const Rigid3d& b_from_a) {
+NormalSystem<5> LinearizeRelative(std::span<const RayMatch> matches, std::span<const int> inliers,
+                                  const Rigid3d& b_from_a) {
   const Eigen::Matrix3d rotation = b_from_a.rotation.toRotationMatrix();
   const Eigen::Vector3d& t = b_from_a.translation;
   const Eigen::Matrix3d essential = Skew(t) * rotation;
   const Eigen::Matrix<double, 3, 2> plane = TangentPlane(t);
-  RelativeEquations equations;
+  NormalSystem<5> equations;
   for (const int i : inliers) {
     const RayMatch& match = matches[i];
     const Eigen::Vector3d turned = rotation * match.a;
@@ -104,32 +98,13 @@ std::optional<RefinedRelativePose> RefineRelativePose(std::span<const RayMatch> 
   if (inliers.size() < 5) {
     return std::nullopt;
   }
-  RefinedRelativePose refined{.b_from_a = b_from_a};
-  RelativeEquations equations = LinearizeRelative(matches, inliers, b_from_a);
-  double damping = 1e-4;
-  for (int i = 0; i < kMaxSteps && damping < 1e4; ++i) {
-    Eigen::Matrix<double, 5, 5> damped = equations.normal;
-    damped.diagonal() *= 1.0 + damping;
-    const Tangent step = -damped.ldlt().solve(equations.gradient);
-    if (!step.allFinite()) {
-      break;
-    }
-    const Rigid3d candidate = Moved(refined.b_from_a, step);
-    const RelativeEquations next = LinearizeRelative(matches, inliers, candidate);
-    if (next.cost > equations.cost) {
-      damping *= 10.0;
-      continue;
-    }
-    const bool converged = equations.cost - next.cost < 1e-6 * equations.cost;
-    refined.b_from_a = candidate;
-    equations = next;
-    damping *= 0.1;
-    if (converged) {
-      break;
-    }
-  }
-  refined.cost = equations.cost;
-  Eigen::Matrix<double, 5, 5> floored = equations.normal;
+  const auto minimum = MinimizeLeastSquares<5>(
+      b_from_a,
+      [&](const Rigid3d& pose) { return std::optional(LinearizeRelative(matches, inliers, pose)); },
+      Moved, {.max_steps = kMaxSteps, .max_damping = 1e4, .min_decrease = 1e-6});
+  RefinedRelativePose refined{.b_from_a = minimum->state};
+  refined.cost = minimum->system.cost;
+  Eigen::Matrix<double, 5, 5> floored = minimum->system.normal;
   floored.diagonal().array() +=
       1e-2;  // A direction that nothing determines is uncertain by 10 rad.
   const Eigen::Matrix<double, 5, 5> covariance = floored.inverse();
