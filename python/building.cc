@@ -1,6 +1,8 @@
 // cairn.init, cairn.ingest and cairn.map: what the verbs of these names do.
 #include "python/building.h"
 
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -68,6 +70,51 @@ std::optional<double> CameraHeightOf(py::handle value) {
   return NumberOf("camera_height_m", value, -12'000.0, 12'000.0);
 }
 
+// `frame` and `origin`: the model stands on Earth already.
+WorldFrameArguments ModelFrameOf(py::handle frame, py::handle origin) {
+  WorldFrameArguments arguments;
+  if (!frame.is_none()) {
+    const std::string word = TextOf("frame", frame);
+    if (word != "ecef" && word != "enu") {
+      RefuseArgument("frame", "must be 'ecef' or 'enu'");
+    }
+    arguments.frame = word == "ecef" ? FrameChoice::kEcef : FrameChoice::kEnu;
+  }
+  if (arguments.frame == FrameChoice::kEnu && origin.is_none()) {
+    RefuseArgument("origin", "is needed for frame='enu': the place of the model's origin");
+  }
+  if (!origin.is_none()) {
+    if (arguments.frame != FrameChoice::kEnu) {
+      RefuseArgument("origin", "is for frame='enu'");
+    }
+    const Geodetic place = PositionOf("origin", origin);
+    arguments.origin = fmt::format("{},{},{}", place.lat_deg(), place.lon_deg(), place.h_m);
+  }
+  return arguments;
+}
+
+// The sources of positions exclude each other.
+void RequireOneSource(const ReconstructionArguments& reconstruction) {
+  const std::pair<const char*, bool> sources[] = {
+      {"gps", reconstruction.use_gps},
+      {"georef", !reconstruction.georef_path.empty()},
+      {"control", !reconstruction.control_path.empty()},
+      {"frame", reconstruction.frame.frame.has_value()}};
+  const char* given = nullptr;
+  for (const auto& [name, is_given] : sources) {
+    if (is_given && given != nullptr) {
+      RefuseArgument(
+          name, fmt::format("says where the model stands, as {} does; give one of them", given));
+    }
+    given = is_given ? name : given;
+  }
+  if (given == nullptr) {
+    RefuseArgument("georef",
+                   "the position of the model on Earth is unknown; give georef, gps=True, control "
+                   "or frame");
+  }
+}
+
 SessionArguments IngestArgumentsOf(const py::object& path, const py::kwargs& keywords) {
   SessionArguments arguments;
   arguments.map_path = PathOf("path", path);
@@ -82,14 +129,9 @@ SessionArguments IngestArgumentsOf(const py::object& path, const py::kwargs& key
   reconstruction.camera_height_m = CameraHeightOf(keywords["camera_height_m"]);
   reconstruction.photo_dir = PathOrEmpty("photos", keywords["photos"]);
   arguments.image_list_path = PathOrEmpty("images", keywords["images"]);
-  if (reconstruction.use_gps && !reconstruction.georef_path.empty()) {
-    RefuseArgument("georef", "is another source of positions than gps=True; give one of them");
-  }
-  if (!reconstruction.HasPositions()) {
-    RefuseArgument("georef",
-                   "the position of the model on Earth is unknown; give georef or "
-                   "gps=True");
-  }
+  reconstruction.control_path = PathOrEmpty("control", keywords["control"]);
+  reconstruction.frame = ModelFrameOf(keywords["frame"], keywords["origin"]);
+  RequireOneSource(reconstruction);
   return arguments;
 }
 

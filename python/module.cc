@@ -43,6 +43,19 @@ void NamePackage(const py::module_& module) {
   }
 }
 
+// pybind11 reads numpy's own structures; before 2.12 it knows only those of numpy 1.
+void RequireKnownNumpy() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
+  if (std::stoi(version) >= 2) {
+    throw py::import_error("cairn was built with pybind11 " PYBIND11_TOSTRING(
+        PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(PYBIND11_VERSION_MINOR) ", which knows numpy "
+        "1 only, and this is numpy " + version +
+        ": install numpy<2, or build cairn with pybind11 2.12 or newer");
+  }
+#endif
+}
+
 }  // namespace
 }  // namespace cairn::python
 
@@ -51,6 +64,7 @@ PYBIND11_MODULE(_cairn, module) {
   using namespace cairn::python;  // NOLINT(google-build-using-namespace)
   module.doc() = "The compiled part of the package cairn.";
   py::options options;
+  RequireKnownNumpy();
   options.disable_function_signatures();  // The docstrings begin with them.
   module.attr("__version__") = CAIRN_VERSION;
   cairn::SetLogLevel(cairn::LogLevel::kWarning);

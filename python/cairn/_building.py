@@ -17,6 +17,9 @@ def ingest(
     database: Path,
     gps: bool = False,
     georef: Optional[Path] = None,
+    control: Optional[Path] = None,
+    frame: Optional[str] = None,
+    origin: Optional[Sequence[float]] = None,
     gps_accuracy_m: float = 5.0,
     height: Optional[str] = None,
     camera_height_m: Optional[float] = None,
@@ -37,7 +40,11 @@ def ingest(
     path: the map, which exists (cairn.init).
     model, database: the folder of the sparse model and COLMAP's database.
     gps, georef: where the positions come from: the GPS priors of the database, or a CSV with
-        image,lat_deg,lon_deg,h_m[,accuracy_m]. One of the two is needed.
+        image,lat_deg,lon_deg,h_m[,accuracy_m]. One of gps, georef, control and frame is needed.
+    control: CSV of surveyed points that photos show, a row for each photo:
+        point,lat_deg,lon_deg,h_m,image,x_px,y_px[,accuracy_m].
+    frame, origin: the model stands on Earth already, in meters: 'ecef', or 'enu' at the origin
+        (latitude, longitude, height above the ellipsoid), degrees and meters.
     gps_accuracy_m: 68 % radius of the GPS priors.
     height: 'ellipsoid' or 'msl', the reference of the heights; None: msl for gps, else ellipsoid.
     camera_height_m: height of cameras whose positions have none.
@@ -52,8 +59,8 @@ def ingest(
         published.
     """
     return _cairn._ingest(
-        path, model=model, database=database, gps=gps, georef=georef,
-        gps_accuracy_m=gps_accuracy_m, height=height, camera_height_m=camera_height_m,
+        path, model=model, database=database, gps=gps, georef=georef, control=control,
+        frame=frame, origin=origin, gps_accuracy_m=gps_accuracy_m, height=height, camera_height_m=camera_height_m,
         photos=photos, images=images, session=session, recorded_at=recorded_at, apart=apart,
         force=force, wait_s=wait_s, threads=threads, archive=archive, options=options,
         progress=progress)

@@ -41,6 +41,17 @@ class Ingest(Building):
                              height="ellipsoid", session="monday")
         self.assertTrue(again.unchanged)
 
+    def test_a_model_that_stands_on_earth_needs_no_positions(self):
+        cairn.init(self.path)
+        model = street.files() / "colmap"
+        summary = cairn.ingest(self.path, model=model, database=model / "database.db",
+                               frame="enu", origin=(47.3769, 8.5417, 408.0))
+        self.assertIn("frame", json.dumps(summary.details))
+        with cairn.Map(self.path) as map_:
+            west, south, east, north = map_.bounds
+        self.assertTrue(8.53 < west < east < 8.55, map_)
+        self.assertTrue(47.37 < south < north < 47.385, map_)
+
     def test_a_callback_that_raises_ends_the_work_without_a_change(self):
         cairn.init(self.path)
 
@@ -68,6 +79,16 @@ class Ingest(Building):
             cairn.init(self.path)
         with expect_error(self, "invalid_argument", "georef", "gps"):
             cairn.ingest(self.path, model="m", database="d")
+        with expect_error(self, "invalid_argument", "frame", "gps"):
+            cairn.ingest(self.path, model="m", database="d", gps=True, frame="ecef")
+        with expect_error(self, "invalid_argument", "control", "georef"):
+            cairn.ingest(self.path, model="m", database="d", georef="g", control="c")
+        with expect_error(self, "invalid_argument", "frame", "'enu'"):
+            cairn.ingest(self.path, model="m", database="d", frame="utm")
+        with expect_error(self, "invalid_argument", "origin"):
+            cairn.ingest(self.path, model="m", database="d", frame="enu")
+        with expect_error(self, "invalid_argument", "origin"):
+            cairn.ingest(self.path, model="m", database="d", frame="ecef", origin=(1, 2, 3))
         with expect_error(self, "invalid_argument", "progress"):
             cairn.ingest(self.path, model="m", database="d", gps=True, progress=5)
         with expect_error(self, "invalid_argument", "height"):

@@ -64,6 +64,19 @@ class Package(unittest.TestCase):
                 has = {part for part in vars(kind) if not part.startswith("_")}
                 self.assertEqual(has, {part for part in parts if not part.startswith("_")}, name)
 
+    def test_another_numpy_than_it_was_built_for_is_an_import_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "numpy").mkdir()
+            (pathlib.Path(folder) / "numpy" / "__init__.py").write_text("__version__ = '2.1.0'\n")
+            path = os.pathsep.join([folder, str(pathlib.Path(cairn.__file__).parent.parent)])
+            done = subprocess.run([sys.executable, "-c", "import cairn._cairn"],
+                                  capture_output=True, text=True,
+                                  env={**os.environ, "PYTHONPATH": path})
+        self.assertNotEqual(done.returncode, 0)
+        if "pybind11" in done.stderr:  # From pybind11 2.12 on, both are known; this one is empty.
+            self.assertIn("numpy 2.1.0", done.stderr)
+            self.assertIn("numpy<2", done.stderr)
+
     def test_pip_installs_it(self):
         with tempfile.TemporaryDirectory() as scratch:
             tree = pathlib.Path(scratch) / "source"
