@@ -187,7 +187,7 @@ void ReadOptions(std::string_view json, OptionList* list) {
   JsonDocument document;
   try {
     document = ParseJson(json, kLimits);
-  } catch (const Error& error) {  // Of a kind that is for answers of the server.
+  } catch (const Error& error) {  // ParseJson has the code of a bad request.
     throw Error(ErrorCode::kBadInput, error.what());
   }
   OptionsReader(document, list).ReadSection(0, "");

@@ -11,7 +11,7 @@ namespace cairn {
 void RequirePictureFormat(const std::string& option, const std::string& path);
 
 // The extension of a path in lower case: ".png", ".jpg", ".jpeg" or ".ppm". Throws Error(kIo),
-// which names the path, if it is none of these.
+// which names the path, for other extensions.
 std::string PictureExtension(const std::string& path);
 
 }  // namespace cairn

@@ -15,7 +15,7 @@ namespace cairn {
 bool HasGuesses(const PhotoSet& set);
 
 // The pairs whose two views CalibrateGuesses needs, in the order of `pairs`: those of photos whose
-// focal length is a guess, but only so many of each camera that more would tell little.
+// focal length is a guess, for each camera at most as many as improve the estimate.
 std::vector<std::pair<int, int>> PairsForCalibration(const PhotoSet& set,
                                                      std::span<const std::pair<int, int>> pairs);
 

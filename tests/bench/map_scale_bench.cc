@@ -22,7 +22,7 @@ namespace {
 
 constexpr int64_t kTilesASearch = 16;  // TilesOptions::max_tiles.
 
-// A tile of a grid with so many columns, about 150 m apart. Its payload is its number alone.
+// A tile of a grid of `num_columns`, about 150 m apart. The payload is the tile's number alone.
 void PutEmptyTile(int64_t number, int64_t num_columns, MapUpdate* update) {
   TileRecord tile;
   tile.tile_id = TileId::Containing(
@@ -35,7 +35,7 @@ void PutEmptyTile(int64_t number, int64_t num_columns, MapUpdate* update) {
   update->PutTile(tile, payload);
 }
 
-// A map of about so many tiles; some of the grid's places fall into one tile.
+// A map of about `count` tiles; some places of the grid fall into one tile.
 const MapStore& MapOfTiles(int64_t count) {
   static const testing::TempDir dir;
   static std::map<int64_t, MapStore> stores;

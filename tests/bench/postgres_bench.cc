@@ -129,7 +129,7 @@ void PostgresWarmQuery(benchmark::State& state) {
   }
 }
 
-// A payload of so many MiB.
+// A payload whose size in MiB is the argument.
 void PostgresPayload(benchmark::State& state) {
   const std::string url = PostgresCluster::Shared().CreateDatabase(
       fmt::format("payload{}_{}", state.range(0), Clock::now().time_since_epoch().count()));

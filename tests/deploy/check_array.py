@@ -36,7 +36,7 @@ def unfinished(plan):
 
 
 def kill_tasks(world, plan, num_kills):
-    """Starts tasks and kills them, until so many died. Returns how many left an unfinished file."""
+    """Kills `num_kills` tasks that it starts. Returns how many left an unfinished file."""
     chance = random.Random(SEED)
     trial = plan.with_suffix(".trial")
     shutil.copytree(plan, trial)

@@ -63,7 +63,7 @@ TEST(SequentialTest, LearnsWhatBadPosesGain) {
     test.LearnBadGain(0.05);
   }
   EXPECT_NEAR(test.bad_gain(), 0.05, 1e-5);
-  // A gain of 0.05 is a bad pose for who knows that these gain so much, else still undecided.
+  // To a test that has learned it, a gain of 0.05 is that of a bad pose; to others, undecided.
   const SequentialTest fresh = [] {
     SequentialTest other(0.05);
     other.SetGoodGain(0.1);

@@ -22,7 +22,7 @@ EvalQuery QueryAtOrigin(const std::string& name) {
   return query;
 }
 
-// An answer that is off by so much.
+// An answer with these errors.
 LocalizeResult AnswerOff(const EvalQuery& query, double position_m, double rotation_rad,
                          double score) {
   LocalizeResult result;

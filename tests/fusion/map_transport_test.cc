@@ -21,7 +21,7 @@ namespace {
 using cairn::testing::CannedServer;
 using Clock = std::chrono::steady_clock;
 
-// Collects answers; Wait blocks until there are so many.
+// Collects answers; Wait blocks until there are as many as it asks for.
 class Answers {
  public:
   MapTransport::Callback Collect() {

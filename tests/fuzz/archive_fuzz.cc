@@ -25,7 +25,7 @@ void Append(std::span<const uint8_t> bytes, Bytes* file) {
   file->insert(file->end(), bytes.begin(), bytes.end());
 }
 
-// Takes a size and so many bytes from the front, or all that is left.
+// Takes a size and that number of bytes from the front, or all bytes that are left.
 std::span<const uint8_t> TakePart(std::span<const uint8_t>* input) {
   uint16_t size = 0;
   std::memcpy(&size, input->data(), std::min(sizeof(size), input->size()));

@@ -6,7 +6,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     const cairn::ExifInfo exif = cairn::ReadExif({data, size});
-    CAIRN_CHECK(exif.orientation >= 1 && exif.orientation <= 8, "an orientation that is none");
+    CAIRN_CHECK(exif.orientation >= 1 && exif.orientation <= 8, "EXIF knows orientations 1 to 8");
   } catch (const cairn::Error& error) {
     CAIRN_CHECK(error.code() == cairn::ErrorCode::kBadInput, error.what());
   }

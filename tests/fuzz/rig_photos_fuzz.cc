@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     for (const RigPhoto& taken : ReadRigPhotos(path)) {
       CAIRN_CHECK(taken.camera.cam_from_first.translation.allFinite(), "a camera that is nowhere");
       CAIRN_CHECK(std::abs(taken.camera.cam_from_first.rotation.norm() - 1.0) < 1e-6,
-                  "a rotation that is none");
+                  "a rotation that is not unit");
     }
   } catch (const Error& error) {
     CAIRN_CHECK(error.code() == ErrorCode::kBadInput || error.code() == ErrorCode::kNotFound ||

@@ -91,7 +91,7 @@ TEST(DescriptorModel, SpreadsAlongItsAxesAsRealDescriptorsDo) {
   EXPECT_NEAR(sigmas.squaredNorm(), 0.337f, 0.03f);
 }
 
-// Distances to the nearest of so many others of the same, mean of both.
+// Quantiles of the distance to the nearest of `num_others` others, against real ones.
 TEST(DescriptorModel, NearestOthersAreAsFarAsReal) {
   struct Real {
     int num_others;
