@@ -28,24 +28,71 @@ void SubtractRow(const float* a, const float* b, int width, float* __restrict di
   }
 }
 
-// Marks the pixels of a row, except the first and last, that are above or below all eight neighbors
-// of their level and beyond the threshold. `marks` has `width` bytes.
+// For each column, the largest and the smallest difference of a level in three rows.
+struct ColumnExtremes {
+  const float* highest;
+  const float* lowest;
+};
+
 CAIRN_VECTOR_CLONES
-void MarkExtremaOfRow(const float* above, const float* center, const float* below, int width,
-                      float threshold, uint8_t* __restrict marks) {
+void FindColumnExtremes(const float* above, const float* center, const float* below, int width,
+                        float* __restrict highest, float* __restrict lowest) {
+  for (int x = 0; x < width; ++x) {
+    const float high = above[x] > center[x] ? above[x] : center[x];
+    const float low = above[x] < center[x] ? above[x] : center[x];
+    highest[x] = high > below[x] ? high : below[x];
+    lowest[x] = low < below[x] ? low : below[x];
+  }
+}
+
+// Marks the pixels of a row, except the first and last, that are above or below all 26 neighbors in
+// their level and the two levels next to it, and beyond the threshold. `marks` has `width` bytes.
+CAIRN_VECTOR_CLONES
+void MarkExtremaOfRow(const float* above, const float* center, const float* below,
+                      const ColumnExtremes& own, const ColumnExtremes& finer,
+                      const ColumnExtremes& coarser, int width, float threshold,
+                      uint8_t* __restrict marks) {
   const auto larger = [](float a, float b) { return a > b ? a : b; };
   const auto smaller = [](float a, float b) { return a < b ? a : b; };
   for (int x = 1; x < width - 1; ++x) {
-    float highest = threshold, lowest = -threshold;
+    float highest = larger(threshold, larger(above[x], below[x]));
+    float lowest = smaller(-threshold, smaller(above[x], below[x]));
+    highest = larger(highest, larger(own.highest[x - 1], own.highest[x + 1]));
+    lowest = smaller(lowest, smaller(own.lowest[x - 1], own.lowest[x + 1]));
     for (int step = -1; step <= 1; ++step) {
-      highest = larger(highest, larger(above[x + step], below[x + step]));
-      lowest = smaller(lowest, smaller(above[x + step], below[x + step]));
+      highest = larger(highest, larger(finer.highest[x + step], coarser.highest[x + step]));
+      lowest = smaller(lowest, smaller(finer.lowest[x + step], coarser.lowest[x + step]));
     }
-    highest = larger(highest, larger(center[x - 1], center[x + 1]));
-    lowest = smaller(lowest, smaller(center[x - 1], center[x + 1]));
     marks[x] = static_cast<uint8_t>((center[x] > highest) | (center[x] < lowest));
   }
 }
+
+// The differences of one level in the three rows around the row that is searched.
+class DifferenceRows {
+ public:
+  explicit DifferenceRows(int width) : rows_(width, 3), extremes_(width, 2) {}
+
+  // Moves on to the next row, whose Gaussians are given, beginning with row 0.
+  void Advance(const float* coarser_gaussian, const float* gaussian) {
+    SubtractRow(coarser_gaussian, gaussian, rows_.width_px(), rows_.Row(num_rows_ % 3));
+    ++num_rows_;
+    if (num_rows_ >= 3) {
+      FindColumnExtremes(Above(), Center(), Below(), rows_.width_px(), extremes_.Row(0),
+                         extremes_.Row(1));
+    }
+  }
+
+  // After three rows.
+  const float* Above() const { return rows_.Row(num_rows_ % 3); }
+  const float* Center() const { return rows_.Row((num_rows_ + 1) % 3); }
+  const float* Below() const { return rows_.Row((num_rows_ + 2) % 3); }
+  ColumnExtremes Extremes() const { return {extremes_.Row(0), extremes_.Row(1)}; }
+
+ private:
+  int num_rows_ = 0;
+  FloatImage rows_;      // Row y is in row y % 3.
+  FloatImage extremes_;  // The highest, the lowest.
+};
 
 // The differences around a pixel of a level. The pixel is not on the border.
 class Neighborhood {
@@ -60,20 +107,6 @@ class Neighborhood {
   float At(int dx, int dy, int ds) const {
     const ptrdiff_t offset = dy * stride_ + dx;
     return gaussians_[ds + 2][offset] - gaussians_[ds + 1][offset];
-  }
-
-  // True if the pixel is above, or below, all nine pixels of the level at distance `ds`.
-  bool IsBeyondLevel(int ds) const {
-    const float sign = At(0, 0, 0) > 0.0f ? 1.0f : -1.0f;
-    const float value = sign * At(0, 0, 0);
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        if (sign * At(dx, dy, ds) >= value) {
-          return false;
-        }
-      }
-    }
-    return true;
   }
 
   // The gradient in x, y and level, by central differences.
@@ -184,26 +217,32 @@ std::vector<SiftExtremum> DetectSiftExtrema(const ScaleSpaceOctave& octave,
   }
   const auto threshold = static_cast<float>(kTriedShare * options.contrast_threshold * kGrayLevels);
   std::vector<uint8_t> marks((static_cast<size_t>(width) + 7) / 8 * 8);
-  FloatImage differences(width, 3);  // The row being searched and its two neighbors.
-  for (int level = octave.levels.first; level <= octave.levels.last; ++level) {
-    for (int y = 0; y < height; ++y) {
-      SubtractRow(octave.Level(level + 1).Row(y), octave.Level(level).Row(y), width,
-                  differences.Row(y % 3));
-      if (y < 2) {
-        continue;
-      }
-      MarkExtremaOfRow(differences.Row((y - 2) % 3), differences.Row((y - 1) % 3),
-                       differences.Row(y % 3), width, threshold, marks.data());
+  const auto num_levels = static_cast<size_t>(octave.levels.last - octave.levels.first + 1);
+  // Those of the levels that are searched, and of one level to either side.
+  std::vector<DifferenceRows> differences;
+  for (size_t i = 0; i < num_levels + 2; ++i) {
+    differences.emplace_back(width);
+  }
+  std::vector<std::vector<SiftExtremum>> of_level(num_levels);
+  for (int y = 0; y < height; ++y) {
+    for (size_t i = 0; i < differences.size(); ++i) {
+      differences[i].Advance(octave.gaussians[i + 1].Row(y), octave.gaussians[i].Row(y));
+    }
+    for (size_t i = 0; y >= 2 && i < num_levels; ++i) {
+      const DifferenceRows& own = differences[i + 1];
+      MarkExtremaOfRow(own.Above(), own.Center(), own.Below(), own.Extremes(),
+                       differences[i].Extremes(), differences[i + 2].Extremes(), width, threshold,
+                       marks.data());
       ForEachMark(marks, [&](int x) {
-        const Neighborhood around(octave, x, y - 1, level);
-        if (!around.IsBeyondLevel(-1) || !around.IsBeyondLevel(1)) {
-          return;
-        }
+        const int level = octave.levels.first + static_cast<int>(i);
         if (const auto extremum = Refine(octave, options, x, y - 1, level)) {
-          extrema.push_back(*extremum);
+          of_level[i].push_back(*extremum);
         }
       });
     }
+  }
+  for (const std::vector<SiftExtremum>& of_one : of_level) {
+    extrema.insert(extrema.end(), of_one.begin(), of_one.end());
   }
   return extrema;
 }
