@@ -13,6 +13,9 @@ namespace cairn {
 namespace {
 
 constexpr png_uint_32 kRowsBetweenStops = 16;
+// Bytes of the file between two polls. They may inflate to a thousand times as many, which the last
+// row reads to their end.
+constexpr size_t kBytesBetweenStops = size_t{16} << 10;
 constexpr png_alloc_size_t kMaxChunkBytes = 8'000'000;  // libpng's own default.
 constexpr png_uint_32 kMaxKeptChunks = 16;
 
@@ -23,6 +26,7 @@ struct PngRun {
   const ImageHeader& header;
   const ImageDecodeLimits& limits;
   uint8_t* pixels = nullptr;
+  size_t num_bytes_since_stop = 0;
 
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -39,6 +43,14 @@ struct PngRun {
 
 void OnWarning(png_structp, png_const_charp) {}
 
+void ExitIfStopped(PngRun* run) {
+  run->num_bytes_since_stop = 0;
+  if (run->limits.should_stop && run->limits.should_stop()) {
+    run->stopped = true;
+    png_longjmp(run->png, 1);
+  }
+}
+
 void ReadBytes(png_structp png, png_bytep target, size_t num_bytes) {
   auto* run = static_cast<PngRun*>(png_get_io_ptr(png));
   if (num_bytes > run->rest.size()) {
@@ -46,6 +58,10 @@ void ReadBytes(png_structp png, png_bytep target, size_t num_bytes) {
   }
   std::memcpy(target, run->rest.data(), num_bytes);
   run->rest = run->rest.subspan(num_bytes);
+  run->num_bytes_since_stop += num_bytes;
+  if (run->num_bytes_since_stop >= kBytesBetweenStops) {
+    ExitIfStopped(run);
+  }
 }
 
 png_voidp Allocate(png_structp png, png_alloc_size_t num_bytes) {
@@ -97,9 +113,8 @@ void ReadRows(PngRun* run, int num_passes) {
   const auto height = static_cast<png_uint_32>(run->header.height_px);
   for (int pass = 0; pass < num_passes; ++pass) {
     for (png_uint_32 y = 0; y < height; ++y) {
-      if (y % kRowsBetweenStops == 0 && run->limits.should_stop && run->limits.should_stop()) {
-        run->stopped = true;
-        png_longjmp(run->png, 1);
+      if (y % kRowsBetweenStops == 0) {
+        ExitIfStopped(run);
       }
       png_read_row(run->png, run->pixels + y * width, nullptr);
     }

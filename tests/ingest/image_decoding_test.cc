@@ -327,6 +327,45 @@ TEST(ImageDecoding, StopsWhenItIsTold) {
   }
 }
 
+// Writes a number of 32 bits as PNG does.
+void PutBigEndian(uint32_t value, uint8_t* bytes) {
+  for (int i = 0; i < 4; ++i) {
+    bytes[i] = static_cast<uint8_t>(value >> (24 - 8 * i));
+  }
+}
+
+// As PNG defines it.
+uint32_t CrcOf(const uint8_t* begin, const uint8_t* end) {
+  uint32_t crc = 0xffffffff;
+  for (const uint8_t* byte = begin; byte != end; ++byte) {
+    crc ^= *byte;
+    for (int bit = 0; bit < 8; ++bit) {
+      crc = (crc >> 1) ^ ((crc & 1) != 0 ? 0xedb88320 : 0);
+    }
+  }
+  return ~crc;
+}
+
+// A black PNG of 8 rows whose data inflates to as many bytes as that of `num_rows` rows.
+Bytes PngWithMoreData(int num_rows) {
+  constexpr size_t kHeight = 20, kHeadType = 12, kHeadCrc = 29;  // Offsets of parts of IHDR.
+  Bytes bytes;
+  cv::imencode(".png", cv::Mat::zeros(num_rows, 1000, CV_8UC1), bytes);
+  PutBigEndian(8, &bytes[kHeight]);
+  PutBigEndian(CrcOf(&bytes[kHeadType], &bytes[kHeadCrc]), &bytes[kHeadCrc]);
+  return bytes;
+}
+
+// 32 MB of such data inflate to 32 GB, after the last row.
+TEST(ImageDecoding, APngAsksWhileItInflatesWhatNobodyNeeds) {
+  const Bytes bytes = PngWithMoreData(60'000);
+  const auto num_pieces = static_cast<int>(bytes.size() >> 14);
+  ASSERT_GE(num_pieces, 2);
+  const int num_questions = NumQuestions(bytes, 0);
+  EXPECT_GE(num_questions, num_pieces);
+  EXPECT_EQ(NumQuestions(bytes, num_questions), num_questions);
+}
+
 TEST(ImageDecoding, EveryScanOfAJpegAsks) {
   constexpr int kRowsOfBlocks = 8;
   constexpr int kNumScans = 10;  // As libjpeg writes them.
