@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -69,6 +70,22 @@ bool HasPhotosOf(const SessionRecord& known, const Reconstruction& reconstructio
     return names.contains(keyframe.image_name);
   });
   return 2 * num_known > std::ssize(keyframes);
+}
+
+// Returns true if the keyframes of the session `known` have images of the sizes that they have
+// here. Digests leave the sizes out. What a photo should see depends on them (CountChances).
+bool HasSizesOf(const SessionRecord& known, const Reconstruction& reconstruction,
+                const MapSnapshot& base) {
+  std::map<std::string, const Camera*> camera_of_name;
+  for (const ReconImage& image : reconstruction.images) {
+    camera_of_name[image.name] = &reconstruction.cameras[image.camera_idx];
+  }
+  return std::ranges::all_of(base.KeyframesOfSession(known.id), [&](const auto& keyframe) {
+    const auto found = camera_of_name.find(keyframe.image_name);
+    return found == camera_of_name.end() ||
+           (found->second->width_px() == keyframe.camera.width_px() &&
+            found->second->height_px() == keyframe.camera.height_px());
+  });
 }
 
 // The record of the session. If it was not said when the photos were taken, and the map has them
@@ -357,7 +374,8 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
   plan.num_landmarks_dropped = plan.session.num_landmarks - std::ssize(placed.landmarks);
   RequireNotElsewhere(plan.session, options.joining, planned.base->Sessions());
   if (same) {
-    if (AreOneIngest(same->content_digest, plan.session.content_digest)) {
+    if (AreOneIngest(same->content_digest, plan.session.content_digest) &&
+        HasSizesOf(*same, reconstruction, *planned.base)) {
       plan.session = *same;
       plan.is_unchanged = true;
       return planned;

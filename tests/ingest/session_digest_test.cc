@@ -11,6 +11,10 @@
 
 #include "core/error.h"
 #include "ingest/ingest_option_visit.h"
+#include "ingest/ingest_session.h"
+#include "storage/map/map_store.h"
+#include "support/street_sessions.h"
+#include "support/temp_dir.h"
 
 namespace cairn {
 namespace {
@@ -50,6 +54,25 @@ TEST(DigestOfOptions, IsThatOfEarlierPrograms) {
   defaults.recorded_at = "2026-01-31T12:00:00Z";
   EXPECT_EQ(DigestOf(SomePlacement(), defaults), "b62859f8a444c68f");
   EXPECT_EQ(DigestOf(SomePlacement(), OtherOptions()), "df8746b91a88666d");
+}
+
+// The digest does not know the size, and the principal point is where it was.
+TEST(IngestSession, ACorrectedImageSizeIsAnotherSession) {
+  const testing::TempDir dir;
+  MapStore store = MapStore::Create(dir.File("map.gpkg"));
+  const testing::StreetWorld world(testing::ShortStreet());
+  Reconstruction reconstruction = world.Reconstruct();
+  const auto ingest = [&] {
+    return IngestSession(reconstruction, world.EcefFromWorld(), testing::SessionNamed("monday"),
+                         &store, {});
+  };
+  EXPECT_FALSE(ingest().is_unchanged);
+  EXPECT_TRUE(ingest().is_unchanged);
+  const Camera& camera = reconstruction.cameras[0];
+  reconstruction.cameras[0] =
+      Camera(camera.model(), camera.width_px() + 8, camera.height_px(), camera.params());
+  EXPECT_FALSE(ingest().is_unchanged);
+  EXPECT_TRUE(ingest().is_unchanged);
 }
 
 // Counts the options of a struct, or changes one of them.
