@@ -71,28 +71,32 @@ FoundCamera FindCamera(const QueryContext& query, const LocalizeQuery& stated,
   std::vector<PoseHypotheses> of_guess(guesses.size());
   double best_evidence = 0.0;
   std::vector<FoundCamera> found;
+  bool is_complete = true;
   const auto try_guesses = [&](const auto& find_poses) {
     for (size_t i = 0; i < guesses.size() && !budget.DeadlinePassed(); ++i) {
       const QueryContext guess = WithCamera(query, WithFocalScaled(prior.camera, guesses[i]));
-      find_poses(guess, &of_guess[i]);
+      is_complete &= find_poses(guess, &of_guess[i]);
       JudgeGuess(guess, of_guess[i], prior, options.pose, &best_evidence, &found);
     }
   };
   PoseHypotheses voted;  // Hands on the consensus of the best pose so far.
   try_guesses([&](const QueryContext& guess, PoseHypotheses* hypotheses) {
-    EstimateCandidatePoses(
+    const bool tried_all = EstimateCandidatePoses(
         guess, matches, FindCandidates(guess, tiles, *matches, options, budget, counters),
         options.pose, options.refinement.good_evidence, options.seed, budget, &voted, counters);
     *hypotheses = voted;
     voted.DropPoses();
+    return tried_all;
   });
   if (may_refine && best_evidence < options.refinement.good_evidence) {
     try_guesses([&](const QueryContext& guess, PoseHypotheses* hypotheses) {
-      MatchKeyframes(guess, tiles, *matches, options.refinement, options.matching, options.pose,
-                     options.seed, budget, hypotheses, counters);
+      return MatchKeyframes(guess, tiles, *matches, options.refinement, options.matching,
+                            options.pose, options.seed, budget, hypotheses, counters);
     });
   }
-  return BestOf(found, prior);
+  FoundCamera best = BestOf(found, prior);
+  best.is_complete = is_complete;
+  return best;
 }
 
 }  // namespace cairn

@@ -19,6 +19,7 @@ struct FoundCamera {
   // The largest evidence of a pose with another camera, whose focal length differs by more than
   // three standard deviations.
   double rival_evidence = 0.0;
+  bool is_complete = true;  // The deadline left out nothing.
 
   // Returns true if the camera is known from now on: its pose has at least `min_evidence`, no rival
   // has a share of that (kMinShareOfBest), and the focal length is certain enough for pose

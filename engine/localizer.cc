@@ -55,12 +55,25 @@ struct VersionToRead {
   const MapSnapshot* snapshot = nullptr;  // Null if the tiles are not those of a map on disk.
 };
 
-// With more time, the stages might have found enough.
-bool FoundTooLittleInTime(const LocalizeResult& result, const QueryBudget& budget) {
+// With more time, the stages might have found enough. `is_complete`: they left out nothing.
+bool FoundTooLittleInTime(const LocalizeResult& result, bool is_complete,
+                          const QueryBudget& budget) {
   const bool found_too_little =
       result.reason == Reason::kTooFewMatches || result.reason == Reason::kTooFewInliers;
-  return found_too_little && (budget.DeadlinePassed() || result.counters.is_cut_short());
+  return found_too_little && (budget.DeadlinePassed() || !is_complete);
 }
+
+// What the search near one place found.
+struct PlaceResult {
+  LocalizeResult result;
+  bool has_all_tiles = true;  // The deadline left out no tile and no part of an index.
+};
+
+// The places of a map that look most like a photo, best first.
+struct RankedPlaces {
+  std::vector<RankedPlace> places;
+  bool is_complete = true;  // The deadline left out no place.
+};
 
 void NoteTiles(const FetchedTiles& fetched, LocalizeResult* result) {
   result->tiles = IdsOf(fetched.views);
@@ -110,18 +123,16 @@ struct Localizer::Impl {
   LocalizeResult Localize(const LocalizeQuery& query, const MapSnapshot* pinned);
   LocalizeResult LocalizeInTiles(const LocalizeQuery& query);
   // `place`: the region to search; null: that of the query's prior.
-  LocalizeResult LocalizeNear(const LocalizeQuery& query, const VersionToRead& version,
-                              const SearchRegion* place);
+  PlaceResult LocalizeNear(const LocalizeQuery& query, const VersionToRead& version,
+                           const SearchRegion* place);
   // Searches the places of the map that look most like the photo.
   LocalizeResult LocalizeAnywhere(const LocalizeQuery& query, const MapSnapshot& snapshot);
-  // Returns those places, best first.
-  std::vector<RankedPlace> RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
-                                      const QueryBudget& budget, StageCounters* counters);
+  RankedPlaces RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
+                          const QueryBudget& budget);
 };
 
-LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query,
-                                             const VersionToRead& version,
-                                             const SearchRegion* place) {
+PlaceResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const VersionToRead& version,
+                                          const SearchRegion* place) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   const QueryBudget budget{&workers, query.deadline};
   LocalizeResult result = EmptyResult(query, version.snapshot);
@@ -140,6 +151,7 @@ LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query,
     return fetched.views.empty() ? Reason::kNoCoverage : Reason::kNone;
   });
   NoteTiles(fetched, &result);
+  bool is_complete = fetched.is_complete;
   if (!fetched.is_complete) {
     finisher.Add(fetched.region);
   }
@@ -147,30 +159,29 @@ LocalizeResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query,
     Search search(options, budget, WithRegion(*std::move(context), fetched.region),
                   std::move(fetched.views), &result.counters);
     search.Run(query, &stages);
+    is_complete &= search.is_complete();
     Conclude(query, search, options, &result);
   }
-  if (FoundTooLittleInTime(result, budget)) {
+  if (FoundTooLittleInTime(result, is_complete, budget)) {
     result.reason = Reason::kTimeout;
   }
   if (!result.localized) {
     result.reason_text = ExplainMiss(query, result, options, version.snapshot);
   }
   result.times.total_seconds = SecondsSince(start);
-  return result;
+  return {std::move(result), fetched.is_complete};
 }
 
-std::vector<RankedPlace> Localizer::Impl::RankPlaces(const LocalizeQuery& query,
-                                                     const MapSnapshot& snapshot,
-                                                     const QueryBudget& budget,
-                                                     StageCounters* counters) {
+RankedPlaces Localizer::Impl::RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
+                                         const QueryBudget& budget) {
   const StopFunction should_stop = budget.StopAfter(options.tiles.deadline_share);
   const CataloguedPlaces places = catalog.IndexOf(snapshot, should_stop);
   const std::optional<QueryContext> context = MakeContext(query, snapshot.CurrentCodebook(), {});
-  std::vector<RankedPlace> ranked;
+  RankedPlaces ranked;
   if (places.index != nullptr && context) {
-    ranked = places.index->Rank(*context, options.places, should_stop);
+    ranked.places = places.index->Rank(*context, options.places, should_stop);
   }
-  counters->tiles_cut_short = !places.is_complete || (should_stop && should_stop());
+  ranked.is_complete = places.is_complete && !(should_stop && should_stop());
   return ranked;
 }
 
@@ -180,29 +191,32 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
   const QueryBudget budget{&workers, query.deadline};
   LocalizeResult without_place = EmptyResult(query, &snapshot);
   const int64_t num_tiles = snapshot.Info().num_tiles;
-  std::vector<RankedPlace> ranked;
+  RankedPlaces ranked;
   StageRunner(budget, &without_place).Run(Stage::kPrior, [&] {
-    ranked = RankPlaces(query, snapshot, budget, &without_place.counters);
+    ranked = RankPlaces(query, snapshot, budget);
     const bool has_few = query.num_features() < options.pose.min_inliers;
-    return num_tiles == 0   ? Reason::kNoCoverage
-           : has_few        ? Reason::kTooFewFeatures
-           : ranked.empty() ? Reason::kTooFewMatches
-                            : Reason::kNone;
+    return num_tiles == 0          ? Reason::kNoCoverage
+           : has_few               ? Reason::kTooFewFeatures
+           : ranked.places.empty() ? Reason::kTooFewMatches
+                                   : Reason::kNone;
   });
   const SnapshotTiles map(snapshot);
   PlaceAnswers answers(&options);
-  for (const RankedPlace& place : ranked) {
+  bool is_complete = ranked.is_complete;
+  for (const RankedPlace& place : ranked.places) {
     if (answers.AreEnough(place.score)) {
       break;
     }
     const SearchRegion region = RegionOfPlace(place.center, options.places.radius_m, num_tiles);
-    answers.Add(place.score, LocalizeNear(query, {map, &snapshot}, &region));
+    PlaceResult found = LocalizeNear(query, {map, &snapshot}, &region);
+    is_complete &= found.has_all_tiles;
+    answers.Add(place.score, std::move(found.result));
   }
   LocalizeResult result = answers.empty() ? without_place : answers.Best();
   result.counters.num_tiles_found = num_tiles;
   result.counters.tile_limit_hit = result.counters.num_tiles_searched < num_tiles;
-  result.counters.tiles_cut_short |= without_place.counters.tiles_cut_short;
-  if (FoundTooLittleInTime(result, budget)) {
+  result.counters.tiles_cut_short |= !ranked.is_complete;
+  if (FoundTooLittleInTime(result, is_complete, budget)) {
     result.reason = Reason::kTimeout;
   }
   if (!result.localized) {
@@ -217,7 +231,7 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
 LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
   query.Validate();
   const auto localize_in = [&](const MapSnapshot& snapshot) {
-    return query.prior ? LocalizeNear(query, {SnapshotTiles(snapshot), &snapshot}, nullptr)
+    return query.prior ? LocalizeNear(query, {SnapshotTiles(snapshot), &snapshot}, nullptr).result
                        : LocalizeAnywhere(query, snapshot);
   };
   return pinned != nullptr ? localize_in(*pinned) : ReadLatest(*store, query.deadline, localize_in);
@@ -229,7 +243,7 @@ LocalizeResult Localizer::Impl::LocalizeInTiles(const LocalizeQuery& query) {
     throw Error(ErrorCode::kBadInput,
                 "prior: tiles that are not those of a map are searched near a position only");
   }
-  return LocalizeNear(query, {*tiles}, nullptr);
+  return LocalizeNear(query, {*tiles}, nullptr).result;
 }
 
 Localizer Localizer::Open(const std::string& path_or_url, const LocalizerOptions& options,

@@ -27,6 +27,7 @@ bool CameraIsUncertain(const LocalizeQuery& query) {
 SharedMatches Search::Match(int num_keypoints, FeatureMatcher* matcher) {
   auto matches = std::make_shared<const std::vector<Correspondence>>(
       matcher->MatchUpTo(num_keypoints, counters_, budget_.workers, stop_matching_));
+  is_complete_ &= matcher->is_complete();
   return matcher->num_matched_keypoints() < options_.pose.min_inliers ? nullptr
                                                                       : std::move(matches);
 }
@@ -36,15 +37,16 @@ void Search::Vote(const QueryContext& context, const SharedMatches& matches) {
 }
 
 void Search::Estimate(const QueryContext& context, const SharedMatches& matches) {
-  EstimateCandidatePoses(context, matches, candidates_, options_.pose,
-                         options_.refinement.good_evidence, options_.seed, budget_, &hypotheses_,
-                         counters_);
+  is_complete_ &= EstimateCandidatePoses(context, matches, candidates_, options_.pose,
+                                         options_.refinement.good_evidence, options_.seed, budget_,
+                                         &hypotheses_, counters_);
 }
 
 void Search::Refine(const QueryContext& context, const SharedMatches& matches) {
   if (NeedsRefinement(hypotheses_, options_.refinement)) {
-    MatchKeyframes(context, tiles_, *matches, options_.refinement, options_.matching, options_.pose,
-                   options_.seed, budget_, &hypotheses_, counters_);
+    is_complete_ &=
+        MatchKeyframes(context, tiles_, *matches, options_.refinement, options_.matching,
+                       options_.pose, options_.seed, budget_, &hypotheses_, counters_);
   }
 }
 
@@ -70,6 +72,7 @@ void Search::FindCameraIfUncertain(const LocalizeQuery& query, const SharedMatch
   }
   const FoundCamera found =
       FindCamera(context(), query, tiles_, matches, options_, may_refine, budget_, counters_);
+  is_complete_ &= found.is_complete;
   with_camera_ = WithCamera(stated_, found.camera);
   camera_is_certain_ = found.IsCertain(options_.refinement.min_trusted_evidence);
 }

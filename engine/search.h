@@ -40,6 +40,8 @@ class Search {
   void Run(const LocalizeQuery& query, StageRunner* stages);
 
   const PoseHypotheses& hypotheses() const { return hypotheses_; }
+  // Returns false if the deadline cut a stage short: with more time, there might be a better pose.
+  bool is_complete() const { return is_complete_; }
   // The context of the query. If its focal length is uncertain, with the camera that Run has found:
   // that of the first round in which it is certain, or else that of all keypoints. Under a deadline
   // it is the camera under which the hypotheses were found.
@@ -80,6 +82,7 @@ class Search {
   std::optional<FeatureMatcher> matcher_;
   StopFunction stop_matching_;
   bool camera_is_certain_ = true;
+  bool is_complete_ = true;
   std::vector<PoseCandidate> candidates_;
   PoseHypotheses hypotheses_;
   std::optional<QueryContext> with_camera_;

@@ -209,6 +209,7 @@ std::vector<Correspondence> FeatureMatcher::MatchUpTo(int num_keypoints, StageCo
                      stop_all, &shared_visits, &ranking_);
     }
   });
+  is_complete_ = is_complete_ && !was_stopped;
   counters->matching_cut_short |= was_stopped;
   counters->num_distances +=
       std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0});

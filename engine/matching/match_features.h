@@ -50,6 +50,8 @@ class FeatureMatcher {
 
   // Returns the number of keypoints that have a match so far.
   int64_t num_matched_keypoints() const { return ranking_.NumMatchedKeypoints(); }
+  // Returns false if `should_stop` has ended a round.
+  bool is_complete() const { return is_complete_; }
 
  private:
   const QueryContext& query_;
@@ -59,6 +61,7 @@ class FeatureMatcher {
   const DescriptorMatrix descriptors_;  // In this order.
   LandmarkRanking ranking_;
   int num_matched_ = 0;  // The first ones in this order have been matched.
+  bool is_complete_ = true;
 };
 
 // Matches all keypoints against only the landmarks that the given keyframes saw, for the refinement

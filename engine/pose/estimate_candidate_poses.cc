@@ -18,7 +18,7 @@ const PoseEstimate* SurePose(const PoseHypotheses& hypotheses, double sure_evide
 
 }  // namespace
 
-void EstimateCandidatePoses(const QueryContext& query, const SharedMatches& matches,
+bool EstimateCandidatePoses(const QueryContext& query, const SharedMatches& matches,
                             const std::vector<PoseCandidate>& candidates,
                             const PoseOptions& options, double sure_evidence, uint64_t seed,
                             const QueryBudget& budget, PoseHypotheses* hypotheses,
@@ -35,7 +35,9 @@ void EstimateCandidatePoses(const QueryContext& query, const SharedMatches& matc
   };
   const int num_tried = hypotheses->TryInRounds(num_candidates, query.down_in_cam.has_value(),
                                                 budget, attempt, counters);
-  counters->pose_cut_short |= num_tried < num_candidates;
+  const bool is_complete = num_tried == num_candidates;
+  counters->pose_cut_short |= !is_complete;
+  return is_complete;
 }
 
 }  // namespace cairn

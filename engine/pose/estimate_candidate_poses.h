@@ -11,13 +11,13 @@
 namespace cairn {
 
 // Estimates a pose (EstimatePose) from the matches of each candidate, best candidate first, until
-// the deadline. Adds the poses to `hypotheses`.
+// the deadline. Adds the poses to `hypotheses`. Returns false if the deadline left out a candidate.
 //
 // Once a pose has at least `sure_evidence`, the other candidates need not find it again: only
 // rivals matter. They are sought among the matches that the sure pose does not explain, and only if
 // these are enough keypoints for a share of its consensus (kMinShareOfBest). Infinity spares no
 // candidate.
-void EstimateCandidatePoses(const QueryContext& query, const SharedMatches& matches,
+bool EstimateCandidatePoses(const QueryContext& query, const SharedMatches& matches,
                             const std::vector<PoseCandidate>& candidates,
                             const PoseOptions& options, double sure_evidence, uint64_t seed,
                             const QueryBudget& budget, PoseHypotheses* hypotheses,

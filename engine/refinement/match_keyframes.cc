@@ -69,7 +69,7 @@ bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& 
   return !hypotheses.AnyHasEvidence(options.good_evidence);
 }
 
-void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
+bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<Correspondence>& matches, const RefinementOptions& options,
                     const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
                     const QueryBudget& budget, PoseHypotheses* hypotheses,
@@ -89,9 +89,11 @@ void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tile
   const int num_tried = hypotheses->TryInRounds(num_keyframes, query.down_in_cam.has_value(),
                                                 budget, attempt, counters);
   counters->num_refined_keyframes += num_tried;
-  counters->refinement_cut_short |= num_tried < num_keyframes;
   counters->num_rematches +=
       std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
+  const bool is_complete = num_tried == num_keyframes;
+  counters->refinement_cut_short |= !is_complete;
+  return is_complete;
 }
 
 bool DoubtsGravity(const QueryContext& query, const PoseHypotheses& hypotheses,

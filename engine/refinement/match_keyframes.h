@@ -19,8 +19,8 @@ bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& 
 // Matches the query against two kinds of keyframes, each with its neighbors: those that saw most
 // of what the best poses explain, and those with the most matches. A keyframe that was matched as a
 // neighbor of an earlier one is left out. Estimates a pose from each and adds the poses to
-// `hypotheses`.
-void MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
+// `hypotheses`. Returns false if the deadline left out a keyframe.
+bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<Correspondence>& matches, const RefinementOptions& options,
                     const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
                     const QueryBudget& budget, PoseHypotheses* hypotheses, StageCounters* counters);
