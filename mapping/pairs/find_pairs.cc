@@ -1,17 +1,17 @@
 #include "mapping/pairs/find_pairs.h"
 
-#include <Eigen/Core>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <set>
 
 #include "core/parallel_for.h"
 #include "core/require.h"
 #include "engine/index/matching_index.h"
 #include "ingest/codebook/shipped_codebook.h"
+#include "mapping/pairs/divide_polls.h"
 #include "storage/codebook/descriptor_codec.h"
 #include "storage/codebook/distance_statistics.h"
 
@@ -36,40 +36,61 @@ DescriptorMatrix VotersOf(const MappingPhoto& photo, int max_voters) {
   return voters;
 }
 
-// All voters of a set in one index.
-class Electorate {
+// The voters of all photos, as codes.
+class Voters {
  public:
-  Electorate(const PhotoSet& set, const PairOptions& options)
-      : options_(options), codec_(ShippedCodebook()), voters_(set.photos.size()) {
-    std::vector<std::vector<uint8_t>> codes(set.photos.size());
+  Voters(const PhotoSet& set, const PairOptions& options)
+      : set_(set), options_(options), codec_(ShippedCodebook()), codes_(set.photos.size()) {
     ParallelFor(static_cast<int>(set.photos.size()), options.num_threads, [&](int i) {
       if (!set.photos[i].keypoints.empty()) {
-        voters_[i] = codec_.Project(VotersOf(set.photos[i], options.max_voters));
-        codes[i] = codec_.Encode(voters_[i]);
+        codes_[i] = codec_.Encode(Of(i));
       }
     });
-    for (size_t i = 0; i < codes.size(); ++i) {
-      codes_.insert(codes_.end(), codes[i].begin(), codes[i].end());
-      photo_of_descriptor_.resize(photo_of_descriptor_.size() + voters_[i].rows(),
-                                  static_cast<int>(i));
+  }
+
+  const Codebook& codebook() const { return codec_.codebook(); }
+  // Projected. Computed each time: those of all photos would take more memory than their codes.
+  DescriptorMatrix Of(int photo) const {
+    return codec_.Project(VotersOf(set_.photos[photo], options_.max_voters));
+  }
+  const std::vector<uint8_t>& CodesOf(int photo) const { return codes_[photo]; }
+
+ private:
+  const PhotoSet& set_;
+  const PairOptions& options_;
+  DescriptorCodec codec_;
+  std::vector<std::vector<uint8_t>> codes_;  // Of each photo; none without keypoints.
+};
+
+// The voters of some photos in one index.
+class Electorate {
+ public:
+  // `photos` ascend.
+  Electorate(const Voters& voters, const std::vector<int>& photos, const PairOptions& options)
+      : voters_(voters), options_(options) {
+    for (const int photo : photos) {
+      const std::vector<uint8_t>& codes = voters.CodesOf(photo);
+      codes_.insert(codes_.end(), codes.begin(), codes.end());
+      photo_of_descriptor_.resize(codes_.size() / voters.codebook().num_subspaces, photo);
     }
     if (!codes_.empty()) {
       IndexOptions index_options;
       index_options.kind = IndexKind::kInvertedLists;
-      index_ = MakeMatchingIndex(codec_.codebook(), codes_, index_options);
+      index_ = MakeMatchingIndex(voters.codebook(), codes_, index_options);
     }
   }
 
-  // Votes of one photo's keypoints for each photo. `may_choose` says which photos count.
+  // Votes of one photo's keypoints for each photo that has any. `may_choose` says which photos
+  // count.
   template <typename MayChoose>
-  std::vector<int> VotesOf(int photo, const MayChoose& may_choose) const {
-    std::vector<int> votes(voters_.size(), 0);
-    if (index_ == nullptr || voters_[photo].rows() == 0) {
+  std::map<int, int> VotesOf(int photo, const MayChoose& may_choose) const {
+    std::map<int, int> votes;
+    if (index_ == nullptr || voters_.CodesOf(photo).empty()) {
       return votes;
     }
     std::vector<DescriptorHit> hits;
-    index_->RangeSearch(voters_[photo], SameLandmarkDistance(codec_.codebook(), kDistanceQuantile),
-                        &hits);
+    index_->RangeSearch(voters_.Of(photo),
+                        SameLandmarkDistance(voters_.codebook(), kDistanceQuantile), &hits);
     for (auto begin = hits.begin(); begin != hits.end();) {
       const auto end = std::find_if(begin, hits.end(), [&](const DescriptorHit& hit) {
         return hit.query_idx != begin->query_idx;
@@ -96,37 +117,11 @@ class Electorate {
   }
 
  private:
+  const Voters& voters_;
   const PairOptions& options_;
-  DescriptorCodec codec_;
-  std::vector<DescriptorMatrix> voters_;  // Of each photo, projected.
   std::vector<uint8_t> codes_;
   std::vector<int> photo_of_descriptor_;
   std::unique_ptr<const MatchingIndex> index_;
-};
-
-// Where photos may be, for the question whether two can show the same.
-class Whereabouts {
- public:
-  Whereabouts(const PhotoSet& set, const PairOptions& options)
-      : max_distance_m_(options.max_distance_m) {
-    for (const MappingPhoto& photo : set.photos) {
-      x_in_ecef_.push_back(
-          photo.gps ? std::optional(EcefFromGeodetic({photo.gps->lat_rad, photo.gps->lon_rad, 0.0}))
-                    : std::nullopt);
-      accuracy_m_.push_back(photo.gps_accuracy_m.value_or(options.default_accuracy_m));
-    }
-  }
-
-  bool MayMeet(int a, int b) const {
-    return !x_in_ecef_[a] || !x_in_ecef_[b] ||
-           (*x_in_ecef_[a] - *x_in_ecef_[b]).norm() <=
-               max_distance_m_ + accuracy_m_[a] + accuracy_m_[b];
-  }
-
- private:
-  double max_distance_m_;
-  std::vector<std::optional<Eigen::Vector3d>> x_in_ecef_;  // On the ellipsoid.
-  std::vector<double> accuracy_m_;
 };
 
 std::vector<std::pair<int, int>> AllPairs(int num_photos) {
@@ -139,15 +134,14 @@ std::vector<std::pair<int, int>> AllPairs(int num_photos) {
   return pairs;
 }
 
-// The photos with the most votes, at most `count`; none without a vote.
-std::vector<int> MostVoted(const std::vector<int>& votes, int count) {
+// The photos with the most votes, at most `count`.
+std::vector<int> MostVoted(const std::map<int, int>& votes, int count) {
   std::vector<int> photos;
-  for (int i = 0; i < static_cast<int>(votes.size()); ++i) {
-    if (votes[i] > 0) {
-      photos.push_back(i);
-    }
+  for (const auto& [photo, number] : votes) {
+    photos.push_back(photo);
   }
-  std::stable_sort(photos.begin(), photos.end(), [&](int p, int q) { return votes[p] > votes[q]; });
+  std::stable_sort(photos.begin(), photos.end(),
+                   [&](int p, int q) { return votes.at(p) > votes.at(q); });
   photos.resize(std::min<size_t>(photos.size(), count));
   return photos;
 }
@@ -172,20 +166,24 @@ std::vector<std::pair<int, int>> FindPairs(
   if (num_photos <= options.max_exhaustive) {
     return AllPairs(num_photos);
   }
-  const Electorate electorate(set, options);
+  const Voters voters(set, options);
   const Whereabouts whereabouts(set, options);
   std::vector<std::vector<int>> partners(num_photos);
   std::mutex mutex;
   int num_done = 0;
-  ParallelFor(num_photos, options.num_threads, [&](int photo) {
-    const std::vector<int> votes = electorate.VotesOf(
-        photo, [&](int other) { return other != photo && whereabouts.MayMeet(photo, other); });
-    partners[photo] = MostVoted(votes, options.max_partners);
-    if (progress) {
-      const std::lock_guard lock(mutex);
-      progress(++num_done, num_photos);
-    }
-  });
+  for (const Poll& poll : DividePolls(whereabouts, num_photos)) {
+    const Electorate electorate(voters, poll.candidates, options);
+    ParallelFor(static_cast<int>(poll.photos.size()), options.num_threads, [&](int i) {
+      const int photo = poll.photos[i];
+      const std::map<int, int> votes = electorate.VotesOf(
+          photo, [&](int other) { return other != photo && whereabouts.MayMeet(photo, other); });
+      partners[photo] = MostVoted(votes, options.max_partners);
+      if (progress) {
+        const std::lock_guard lock(mutex);
+        progress(++num_done, num_photos);
+      }
+    });
+  }
   std::set<std::pair<int, int>> pairs;
   for (int photo = 0; photo < num_photos; ++photo) {
     for (const int other : partners[photo]) {

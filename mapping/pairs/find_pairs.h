@@ -30,11 +30,12 @@ struct PairOptions {
   void Validate() const;
 };
 
-// Returns pairs (a, b) with a < b, ascending, each once. All voting descriptors go into one index
-// (the shipped codebook); each votes for the photos of its nearest neighbors, and each photo
-// chooses those with the most votes. Takes time linear in the number of photos for the choice, and
-// a search of about 10 ms a photo among 1,000 photos. `progress` receives photos done and their
-// number.
+// Returns pairs (a, b) with a < b, ascending, each once. The voting descriptors go into indices
+// (the shipped codebook), one for each place (DividePolls); each votes for the photos of its
+// nearest neighbors, and each photo chooses those with the most votes. Takes time linear in the
+// number of photos if these have positions and spread over ground; of photos at one place, or
+// without positions, a search takes about 10 ms a photo among 1,000 photos, and grows with their
+// number. `progress` receives photos done and their number.
 std::vector<std::pair<int, int>> FindPairs(
     const PhotoSet& set, const PairOptions& options,
     const std::function<void(int done, int total)>& progress = {});
