@@ -82,21 +82,29 @@ void FairGate::Leave(Turn* turn) {
 }
 
 // A client without a turn comes before turns that pause, and those before further turns of clients
-// that have one: what has begun holds memory.
+// that have one, because what has begun holds memory. Of one client, the earlier deadline comes
+// first.
 void FairGate::Admit(Clock::time_point now) {
   while (true) {
     Client* const client = waiting_clients_.empty() ? nullptr : NextClient(now);
     const bool may_enter = client != nullptr && MayEnter(*client, now);
-    const bool may_resume =
-        num_paused_ > 0 && num_computing() < static_cast<size_t>(options_.num_slots);
-    if (may_enter && (client->num_running == 0 || !may_resume)) {
+    const bool may_resume = num_computing() < static_cast<size_t>(options_.num_slots);
+    Turn* const paused = may_resume ? NextPaused(now) : nullptr;
+    if (may_enter &&
+        (client->num_running == 0 || paused == nullptr || IsUrgent(*client, *paused))) {
       Enter(client->waiting.front(), now);
-    } else if (may_resume) {
-      ResumeOne(now);
+    } else if (paused != nullptr) {
+      Resume(paused, now);
     } else {
       return;
     }
   }
+}
+
+// True if the client waits for a turn with an earlier deadline than this turn of its own.
+bool FairGate::IsUrgent(const Client& client, const Turn& turn) {
+  return turn.client_ == &client && !client.waiting.empty() &&
+         client.waiting.front()->deadline_ < turn.deadline_;
 }
 
 void FairGate::Enter(Turn* turn, Clock::time_point now) {
@@ -115,9 +123,13 @@ void FairGate::Turn::MakeRoom() {
 }
 
 bool FairGate::MustPause(const Turn& turn, Clock::time_point now) const {
-  if (num_computing() <= static_cast<size_t>(options_.num_slots) ||
-      turn.Computed(now) < options_.patience || turn.PauseLeft() <= Clock::duration::zero()) {
+  const auto num_slots = static_cast<size_t>(options_.num_slots);
+  if (num_computing() < num_slots || turn.Computed(now) < options_.patience ||
+      turn.PauseLeft() <= Clock::duration::zero()) {
     return false;
+  }
+  if (num_computing() == num_slots) {
+    return running_.size() < 2 * num_slots && IsUrgent(*turn.client_, turn);
   }
   return std::any_of(running_.begin(), running_.end(), [&](const Turn* other) {
     return !other->is_paused_ && other->client_->num_computing() < turn.client_->num_computing();
@@ -130,6 +142,7 @@ void FairGate::Pause(std::unique_lock<std::mutex>* lock, Turn* turn, Clock::time
   turn->pause_start_ = now;
   ++turn->client_->num_paused;
   ++num_paused_;
+  Admit(now);
   while (turn->is_paused_) {
     if (turn->changed_.wait_until(*lock, end) == std::cv_status::timeout && turn->is_paused_) {
       Resume(turn, Clock::now());
@@ -145,17 +158,18 @@ void FairGate::Resume(Turn* turn, Clock::time_point now) {
   turn->changed_.notify_one();
 }
 
-void FairGate::ResumeOne(Clock::time_point now) {
+FairGate::Turn* FairGate::NextPaused(Clock::time_point now) const {
   Turn* next = nullptr;
   const auto rank = [now](const Turn* turn) {
-    return std::tuple(turn->client_->num_computing(), turn->client_->UsedSeconds(now));
+    const Client& client = *turn->client_;
+    return std::tuple(client.num_computing(), client.UsedSeconds(now), turn->deadline_);
   };
   for (Turn* turn : running_) {
     if (turn->is_paused_ && (next == nullptr || rank(turn) < rank(next))) {
       next = turn;
     }
   }
-  Resume(next, now);
+  return next;
 }
 
 FairGate::Client* FairGate::NextClient(Clock::time_point now) const {

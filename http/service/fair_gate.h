@@ -74,10 +74,11 @@ class FairGate {
     Outcome outcome() const { return outcome_; }
 
     // Call now and then during a turn that may be long, on the thread that entered, without locks.
-    // Pauses the turn if it has computed for longer than `patience`, more turns than slots compute,
-    // and another client computes fewer of them. The turn goes on when a slot is free. So that it
-    // can finish, it pauses for at most half of the time that it had from its start to its
-    // deadline.
+    // Pauses the turn if it has computed for longer than `patience`, and
+    // - more turns than slots compute, and another client computes fewer of them, or
+    // - a request of its own client waits whose deadline is earlier.
+    // The turn goes on when a slot is free. So that it can finish, it pauses for at most half of
+    // the time that it had from its start to its deadline.
     void MakeRoom();
 
    private:
@@ -112,9 +113,12 @@ class FairGate {
   Client* NextClient(Clock::time_point now) const;
   bool MayEnter(const Client& client, Clock::time_point now) const;
   void Enter(Turn* turn, Clock::time_point now);
+  static bool IsUrgent(const Client& client, const Turn& turn);
   bool MustPause(const Turn& turn, Clock::time_point now) const;
   void Pause(std::unique_lock<std::mutex>* lock, Turn* turn, Clock::time_point now);
-  void ResumeOne(Clock::time_point now);  // The turn of the client that computes least.
+  // The turn that pauses of the client that computes least; of its turns, that with the earliest
+  // deadline. Null if none pauses.
+  Turn* NextPaused(Clock::time_point now) const;
   void Resume(Turn* turn, Clock::time_point now);
   size_t num_computing() const { return running_.size() - num_paused_; }
   // When a client without a turn may enter beside long turns; the end of time if it may not.
