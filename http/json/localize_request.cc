@@ -340,10 +340,22 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
   return request;
 }
 
+// False for a body that is refused at once.
+bool HasFeaturesPart(std::string_view content_type, std::string_view body) {
+  try {
+    const std::vector<MultipartPart> parts = ParseMultipart(content_type, body);
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const MultipartPart& part) { return part.name == "features"; });
+  } catch (const HttpError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
-bool IsLongJson(std::string_view content_type, std::string_view body) {
-  return body.size() > kMaxShortJsonBytes && !IsMultipart(content_type);
+bool TakesLongToParse(std::string_view content_type, std::string_view body) {
+  return body.size() > kMaxShortJsonBytes &&
+         (!IsMultipart(content_type) || HasFeaturesPart(content_type, body));
 }
 
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {

@@ -64,11 +64,13 @@ LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_
 using BodyParser = LocalizeRequest(std::string_view content_type, std::string_view body,
                                    const RequestLimits& limits);
 
-// True if parsing the body takes more than about 3 ms on one core, so that the body must wait for
-// its turn: JSON of more than 64 KiB. The JSON part of a multipart body is always shorter.
-bool IsLongJson(std::string_view content_type, std::string_view body);
+// True if parsing the body may take more than about 1 ms on one core, so that the body must wait
+// for its turn: JSON of more than 64 KiB, and a multipart body of more than 64 KiB that has
+// features. The JSON part of a multipart body is always shorter, and photos are not decoded by
+// parsing.
+bool TakesLongToParse(std::string_view content_type, std::string_view body);
 
-// Guesses the `timeoutMs` of a JSON body without parsing it; returns the default if it finds none.
+// Guesses the `timeoutMs` of a body without parsing it; returns the default if it finds none.
 // The result only bounds how long the body waits for its turn.
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits);
 

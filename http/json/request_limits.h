@@ -17,7 +17,7 @@ inline constexpr int kMaxTimeoutMs = 60'000;  // Largest timeout that a request 
 inline constexpr int kMaxMatches = 100'000;   // Largest number of matches in a response.
 inline constexpr size_t kMaxIdLength = 128;
 inline constexpr size_t kMaxReadings = 1000;  // Of one sensor in a GeoPoseRequest.
-// A longer JSON body waits for its turn before it is parsed; see IsLongJson.
+// A longer body may wait for its turn before it is parsed; see TakesLongToParse.
 inline constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;
 
 }  // namespace cairn

@@ -124,13 +124,13 @@ std::unique_ptr<FairGate::Turn> LocalizeService::WaitForTurn(const HttpRequest& 
   return turn;
 }
 
-// A request has one turn. During the turn its JSON is parsed (if long), its photos' EXIF is read,
-// its image becomes features, and the features become an answer.
+// A request has one turn. During the turn its body is parsed (if that takes long), its photos' EXIF
+// is read, its image becomes features, and the features become an answer.
 LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
                                                       BodyParser& parse) {
   Answer answer;
   LocalizeRequest& request = answer.request;
-  const bool reads_in_turn = IsLongJson(http.Header("content-type"), http.body);
+  const bool reads_in_turn = TakesLongToParse(http.Header("content-type"), http.body);
   if (!reads_in_turn) {
     request = Read(map, http, parse);
   }

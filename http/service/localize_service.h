@@ -46,11 +46,11 @@ class LocalizeService {
   // Answers one request: reads the body with `parse`, sets the query's deadline (the
   // client's timeout counts from the end of the upload), waits for its turn if there are more
   // requests than cores, extracts features if there is an image, checks that the features have the
-  // map's codec, and localizes. Returns kTimeout if the turn does not come in time. A long JSON
-  // body is parsed during the turn; if the turn does not come, the body is not parsed. The codec is
-  // checked in the version of the map that answers. Throws as `parse` and as Localizer::Localize;
-  // throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and kUnavailable if too many
-  // requests wait.
+  // map's codec, and localizes. Returns kTimeout if the turn does not come in time. A body
+  // that TakesLongToParse is parsed during the turn; if the turn does not come, the body is not
+  // parsed. The codec is checked in the version of the map that answers. Throws as `parse` and as
+  // Localizer::Localize; throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and
+  // kUnavailable if too many requests wait.
   Answer Localize(const HttpRequest& http, BodyParser& parse);
 
   // Waits for the turn of a request that is no query but takes as much time: lists and payloads.

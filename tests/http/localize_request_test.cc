@@ -359,9 +359,9 @@ TEST(LocalizeRequest, RefusesEveryTruncationOfAGoodBody) {
 
 TEST(LocalizeRequest, LongJsonWaitsForItsTurn) {
   const std::string many(size_t{65} << 10, ' ');
-  EXPECT_TRUE(IsLongJson("application/json", many));
-  EXPECT_FALSE(IsLongJson("application/json", "{}"));
-  EXPECT_FALSE(IsLongJson("multipart/form-data; boundary=B", many));
+  EXPECT_TRUE(TakesLongToParse("application/json", many));
+  EXPECT_FALSE(TakesLongToParse("application/json", "{}"));
+  EXPECT_FALSE(TakesLongToParse("multipart/form-data; boundary=B", many));
   EXPECT_THROW(ParseLocalizeRequest(
                    "multipart/form-data; boundary=B",
                    "--B\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{" + many +
@@ -369,6 +369,19 @@ TEST(LocalizeRequest, LongJsonWaitsForItsTurn) {
                        "\r\n--B--\r\n",
                    RequestLimits{}),
                HttpError);
+}
+
+// Decoding 5,000 features takes 3 ms. A client whose requests are refused because too many wait
+// could otherwise hold all cores with them.
+TEST(LocalizeRequest, ManyFeaturesWaitForTheirTurn) {
+  const auto body_of = [](const std::string& name, size_t num_bytes) {
+    return "--B\r\nContent-Disposition: form-data; name=\"" + name + "\"\r\n\r\n" +
+           std::string(num_bytes, 'x') + "\r\n--B--\r\n";
+  };
+  const char* const type = "multipart/form-data; boundary=B";
+  EXPECT_TRUE(TakesLongToParse(type, body_of("features", size_t{65} << 10)));
+  EXPECT_FALSE(TakesLongToParse(type, body_of("features", size_t{60} << 10)));
+  EXPECT_FALSE(TakesLongToParse(type, body_of("image", size_t{65} << 10)));
 }
 
 TEST(LocalizeRequest, PeeksAtTheTimeout) {
