@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Kills `cairn map` (SIGKILL) at moments that are spread evenly over each command, and runs it again.
+
+  folder    one folder becomes a map
+  folders   two folders become the sessions of a map
+  join      a folder joins a map
+  again     two folders, of which the map has one
+
+After each kill, the map is as before or as after the command, and `cairn check` is clean. The command
+succeeds when it is repeated with the same work folder, leaves the bytes of an undisturbed run, and no files
+but those of one. A session that joins may be numbered differently, because ids that a killed run reserved
+are not given out again. Prints a table; the exit code is 1 if a line is not met.
+
+Example:
+  tests/deploy/check_map_kills.py build/release --kills 100
+"""
+
+import argparse
+import csv
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import check_faults
+
+# Two walks along the same houses.
+WALKS = {"monday": range(0, 10, 2), "tuesday": range(1, 10, 2)}
+FEW_FEATURES = '{"mapping": {"sift": {"max_features": 600}}}'
+# What each command maps, and the folders of the map that it finds; none: it makes the map.
+RECIPES = {"folder": (["monday"], []), "folders": (["monday", "tuesday"], []),
+           "join": (["tuesday"], ["monday"]), "again": (["tuesday", "monday"], ["monday"])}
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path, help="build folder, as build/release")
+    parser.add_argument("--kills", type=int, default=100, help="number of kills, over all commands")
+    parser.add_argument("--case", action="append", choices=RECIPES, help="only this command; repeatable")
+    return parser.parse_args()
+
+
+def make_photos(build, folder):
+    """Rendered photos in a folder for each walk, and a table of their positions."""
+    subprocess.run([build / "tests" / "python" / "cairn_make_street", folder / "street", "--photos"],
+                   check=True)
+    with open(folder / "street" / "positions.csv", newline="", encoding="utf-8") as table:
+        header, *rows = csv.reader(table)
+    names = sorted(os.listdir(folder / "street" / "photos"))
+    walks = folder / "walks"
+    with open(folder / "positions.csv", "w", newline="", encoding="utf-8") as table:
+        writer = csv.writer(table)
+        writer.writerow(header)
+        for walk, numbers in WALKS.items():
+            (walks / walk).mkdir(parents=True)
+            for name in (names[number] for number in numbers):
+                shutil.copy(folder / "street" / "photos" / name, walks / walk / f"{walk}_{name}")
+                writer.writerow([f"{walk}_{name}", *next(row for row in rows if row[0] == name)[1:]])
+    (folder / "options.json").write_text(FEW_FEATURES, encoding="utf-8")
+    return walks
+
+
+class MapCase(check_faults.Case):
+    """`cairn map` of some walks."""
+
+    def __init__(self, commands, name, scratch, walks):
+        mapped, known = RECIPES[name]
+        folder = scratch / name
+        folder.mkdir()
+
+        def arguments(work, of_walks=mapped, stages="w"):
+            return ["map", work / "town.gpkg", *[walks / walk for walk in of_walks], "--gps",
+                    scratch / "positions.csv", "--camera", "PINHOLE,480,360,320,320,240,180",
+                    "--options", scratch / "options.json", "--recorded", "2026-01-31T12:00:00Z",
+                    "--work", work / stages]
+
+        for walk in known:
+            commands.output_of(*arguments(folder, [walk], "known"))
+        super().__init__(commands, name, folder, arguments, ["town.gpkg"], is_repeatable=True)
+
+
+def run_case(case, count):
+    """(what happened, problems)"""
+    problems, num_killed, num_published, num_same = [], 0, 0, 0
+    for seconds in check_faults.moments(case.seconds, 4 * count):
+        work = case.prepare("kill")
+        num_killed += check_faults.kill_after(case.commands.start(*case.arguments(work)), seconds)
+        num_published += case.states(work) != case.before
+        problems += case.problems_of(work)
+        num_same += case.states(work) == case.after
+        shutil.rmtree(work)
+        if num_killed == count:
+            break
+    if num_killed < count:
+        problems.append(f"the command ended {4 * count - num_killed} times before it was killed")
+    return (f"{num_killed} kills, {num_published} runs had published a session, "
+            f"{num_same} end with the same bytes"), problems
+
+
+def main():
+    arguments = parse_arguments()
+    is_met = True
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = pathlib.Path(folder)
+        commands = check_faults.Commands(arguments.build.resolve(), scratch)
+        walks = make_photos(arguments.build.resolve(), scratch)
+        names = arguments.case or list(RECIPES)
+        print("| | measured | met |\n|---|---|---|", flush=True)
+        for name, count in zip(names, check_faults.shares(arguments.kills, len(names))):
+            case = MapCase(commands, name, scratch, walks)
+            what, problems = run_case(case, count)
+            is_met = is_met and not problems
+            print(f"| {name}: kills over {1e3 * case.seconds:.0f} ms | {what} | "
+                  f"{'NO' if problems else 'yes'} |", flush=True)
+            for problem in problems[:3]:
+                print(f"  {name}: {problem}", file=sys.stderr, flush=True)
+    return 0 if is_met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
