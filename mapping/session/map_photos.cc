@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "mapping/matching/calibrate_guesses.h"
+#include "mapping/matching/settle_planes.h"
 #include "mapping/session/photo_places.h"
 #include "mapping/session/stage_codec.h"
 #include "mapping/session/stage_keys.h"
@@ -165,6 +166,7 @@ std::vector<TwoView> Mapper::Match(const char* stage, const std::string& file,
         static_cast<int64_t>(first), static_cast<int64_t>(pairs.size()), &from_work);
     std::move(part.begin(), part.end(), std::back_inserter(views));
   }
+  SettlePlanes(folder_.set, input_.num_threads, &views);
   clock.End(from_work);
   return views;
 }

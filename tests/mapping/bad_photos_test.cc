@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "core/error.h"
 #include "mapping/photo_scene.h"
@@ -37,8 +38,11 @@ class BadPhotos : public ::testing::Test {
   }
 
   std::string RefusalOf(const std::vector<Shot>& shots) const {
+    return RefusalOf(PhotoScene(7), shots);
+  }
+  std::string RefusalOf(const PhotoScene& scene, const std::vector<Shot>& shots) const {
     try {
-      Map(shots);
+      Map(scene, shots);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kBadInput);
       return error.what();
@@ -94,6 +98,17 @@ void ExpectRight(const MappedPhotos& mapped, const std::vector<Shot>& shots) {
   EXPECT_LT(errors.on_earth_m, 3.0);
   EXPECT_LT(errors.within_m, 0.1);
   EXPECT_LT(errors.turned_rad, 0.35);
+}
+
+// A flight. Its heights are those of GPS, 3 m off each, but its cameras say which way is up. Level
+// ground leaves open a part of the focal length, and so the height above it.
+void ExpectFlown(const MappedPhotos& mapped, const std::vector<Shot>& shots) {
+  const CameraErrors errors = ErrorsOf(mapped, shots);
+  EXPECT_LT(errors.on_earth_m, 3.0);
+  EXPECT_LT(errors.within_m, 0.3);
+  EXPECT_LT(errors.turned_rad, 0.07);
+  EXPECT_EQ(mapped.georegistration.up.num_images[static_cast<size_t>(PictureUp::kBack)],
+            mapped.num_mapped);
 }
 
 void ExpectMapped(const MappedPhotos& mapped, int least) {
@@ -223,6 +238,71 @@ TEST_F(BadPhotos, ATurnWithinAWalkHarmsNothing) {
   const MappedPhotos mapped = Map(shots);
   ExpectMapped(mapped, 8);
   ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, AllPortrait) {
+  std::vector<Shot> shots = Walk(9);
+  for (Shot& shot : shots) {
+    shot.x_in_enu.x() *= 0.7;  // A narrower picture needs more photos.
+    shot.roll_rad = 0.5 * kPi;
+    shot.exif.orientation = 6;
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+// A program turned the pixels, and the EXIF says that they are upright.
+TEST_F(BadPhotos, AllPortraitWithTurnedPixels) {
+  std::vector<Shot> shots = Walk(9);
+  for (Shot& shot : shots) {
+    shot.x_in_enu.x() *= 0.7;
+    std::swap(shot.width_px, shot.height_px);
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+// Each pair of photos of a wall allows a second story, in which the camera turned beside it.
+TEST_F(BadPhotos, OfAFlatWall) {
+  std::vector<Shot> shots = Walk(9);
+  for (Shot& shot : shots) {
+    shot.x_in_enu.z() = 4.0;
+  }
+  const MappedPhotos mapped = Map(PhotoScene::FlatWall(7), shots);
+  ExpectMapped(mapped, 9);
+  ExpectRight(mapped, shots);
+}
+
+TEST_F(BadPhotos, LookingStraightDownAtAVillage) {
+  const std::vector<Shot> shots = testing::Flight(3, 4, 40.0);
+  const MappedPhotos mapped = Map(PhotoScene::Village(7, 25, 8.0), shots);
+  ExpectMapped(mapped, 12);
+  ExpectFlown(mapped, shots);
+}
+
+TEST_F(BadPhotos, LookingStraightDownAtLevelGroundInOneHeading) {
+  const std::vector<Shot> shots = testing::Flight(3, 5, 40.0, /*is_fixed=*/true);
+  const MappedPhotos mapped = Map(PhotoScene::Village(7, 0, 8.0), shots);
+  ExpectMapped(mapped, 15);
+  ExpectFlown(mapped, shots);
+}
+
+// The positions are then those of a mirrored flight. On a straight walk, nothing would tell.
+TEST_F(BadPhotos, LatitudeAndLongitudeExchanged) {
+  std::vector<Shot> shots = testing::Flight(3, 4, 40.0);
+  for (Shot& shot : shots) {
+    const Geodetic gps =
+        GeodeticFromEcef(EcefFromEnu(PhotoScene::Origin()) * (shot.x_in_enu + shot.gps_error_m));
+    shot.exif.lat_deg = gps.lon_deg();
+    shot.exif.lon_deg = gps.lat_deg();
+    shot.exif.altitude_m = gps.h_m;
+    shot.exif.altitude_ref = 2;
+    shot.exif.error_m = 1.5;
+  }
+  EXPECT_THAT(RefusalOf(PhotoScene::Village(7, 25, 8.0), shots),
+              AllOf(HasSubstr("mirrored"), HasSubstr("latitude and longitude")));
 }
 
 TEST_F(BadPhotos, MostWithoutGps) {

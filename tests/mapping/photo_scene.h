@@ -1,4 +1,4 @@
-// A wall with relief that can be photographed, and folders of photos as people have them.
+// A wall and a village that can be photographed, and folders of photos as people have them.
 #ifndef CAIRN_TESTS_MAPPING_PHOTO_SCENE_H_
 #define CAIRN_TESTS_MAPPING_PHOTO_SCENE_H_
 
@@ -46,6 +46,29 @@ class PhotoScene {
   explicit PhotoScene(uint64_t seed, double relief_m = 1.5, double east_m = 0.0)
       : renderer_(Build(seed, relief_m, east_m)) {}
 
+  // A level ground around the origin, 160 m from west to east and 120 m from south to north, with
+  // `num_houses` of 2 to `height_m` meters. For photos from the air.
+  static PhotoScene Village(uint64_t seed, int num_houses, double height_m) {
+    cv::RNG rng(seed);
+    std::vector<TexturedRect> rects;
+    Add({-80.0, 60.0, 0.0}, {160, 0, 0}, {0, -120, 0}, kAerialTexelsPerM, &rng, &rects);
+    for (int i = 0; i < num_houses; ++i) {
+      const Eigen::Vector3d low(rng.uniform(-75.0, 65.0), rng.uniform(-55.0, 45.0), 0.0);
+      const Eigen::Vector3d size(rng.uniform(5.0, 10.0), rng.uniform(5.0, 10.0),
+                                 rng.uniform(2.0, height_m));
+      AddHouse(low, size, &rng, &rects);
+    }
+    return PhotoScene(std::move(rects));
+  }
+
+  // A wall of 40 x 12 m alone, 8 m north of the origin.
+  static PhotoScene FlatWall(uint64_t seed) {
+    cv::RNG rng(seed);
+    std::vector<TexturedRect> rects;
+    Add({-20.0, 8.0, 9.0}, {40, 0, 0}, {0, 0, -12}, kTexelsPerM, &rng, &rects);
+    return PhotoScene(std::move(rects));
+  }
+
   static Geodetic Origin() { return Geodetic::FromDegrees(47.3769, 8.5417, 408.0); }
 
   // The pixels of a photo.
@@ -76,11 +99,15 @@ class PhotoScene {
   }
 
  private:
-  static std::shared_ptr<const Texture> Paint(cv::RNG* rng, double width_m, double height_m) {
-    constexpr double kTexelsPerM = 40.0;
-    const auto side = [](double meters) {
+  static constexpr double kTexelsPerM = 40.0, kAerialTexelsPerM = 8.0;
+
+  explicit PhotoScene(std::vector<TexturedRect> rects) : renderer_(std::move(rects)) {}
+
+  static std::shared_ptr<const Texture> Paint(cv::RNG* rng, double width_m, double height_m,
+                                              double texels_per_m) {
+    const auto side = [&](double meters) {
       return Texture::kSizeStep *
-             std::max(1, static_cast<int>(std::lround(meters * kTexelsPerM / Texture::kSizeStep)));
+             std::max(1, static_cast<int>(std::lround(meters * texels_per_m / Texture::kSizeStep)));
     };
     cv::Mat sum(side(height_m), side(width_m), CV_32FC1, cv::Scalar(rng->uniform(90.0, 160.0)));
     for (const int cell : {4, 10, 24}) {
@@ -94,28 +121,46 @@ class PhotoScene {
     return std::make_shared<Texture>(pixels);
   }
 
-  // Seen from the south if `v` points down, and from above if it points south.
+  // Seen from where `u` points to the right and `v` down.
   static void Add(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
-                  cv::RNG* rng, std::vector<TexturedRect>* rects) {
-    rects->push_back({corner, u, v, Paint(rng, u.norm(), v.norm())});
+                  double texels_per_m, cv::RNG* rng, std::vector<TexturedRect>* rects) {
+    rects->push_back({corner, u, v, Paint(rng, u.norm(), v.norm(), texels_per_m)});
+  }
+
+  static void AddHouse(const Eigen::Vector3d& low, const Eigen::Vector3d& size, cv::RNG* rng,
+                       std::vector<TexturedRect>* rects) {
+    const Eigen::Vector3d high = low + size, down(0.0, 0.0, -size.z());
+    const auto add = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                         const Eigen::Vector3d& v) {
+      Add(corner, u, v, kAerialTexelsPerM, rng, rects);
+    };
+    add({low.x(), high.y(), high.z()}, {size.x(), 0, 0}, {0, -size.y(), 0});  // The roof.
+    add({low.x(), low.y(), high.z()}, {size.x(), 0, 0}, down);                // From the south,
+    add({high.x(), high.y(), high.z()}, {-size.x(), 0, 0}, down);             // the north,
+    add({high.x(), low.y(), high.z()}, {0, size.y(), 0}, down);               // the east,
+    add({low.x(), high.y(), high.z()}, {0, -size.y(), 0}, down);              // the west.
   }
 
   static std::vector<TexturedRect> Build(uint64_t seed, double relief_m, double east_m) {
     cv::RNG rng(seed);
     std::vector<TexturedRect> rects;
     const double wall_m = 8.0;
-    Add({east_m - 20.0, wall_m, 9.0}, {40, 0, 0}, {0, 0, -9}, &rng, &rects);
-    Add({east_m - 20.0, wall_m, 0.0}, {40, 0, 0}, {0, -14, 0}, &rng, &rects);  // The ground.
+    const auto add = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+                         const Eigen::Vector3d& v) {
+      Add(corner, u, v, kTexelsPerM, &rng, &rects);
+    };
+    add({east_m - 20.0, wall_m, 9.0}, {40, 0, 0}, {0, 0, -9});
+    add({east_m - 20.0, wall_m, 0.0}, {40, 0, 0}, {0, -14, 0});  // The ground.
     for (int i = 0; relief_m > 0.0 && i < 24; ++i) {
       const double x = east_m + rng.uniform(-19.0, 17.0), z = rng.uniform(0.5, 7.0);
       const double width = rng.uniform(0.8, 2.2), height = rng.uniform(0.8, 2.0);
       const double depth = rng.uniform(0.3, relief_m);
-      Add({x, wall_m - depth, z + height}, {width, 0, 0}, {0, 0, -height}, &rng, &rects);
+      add({x, wall_m - depth, z + height}, {width, 0, 0}, {0, 0, -height});
       // Boxes on the ground, for photos that look down.
       const double y = rng.uniform(-5.0, 5.0), top = rng.uniform(0.2, relief_m);
       if (std::abs(y) > 1.5) {  // Not where people walk.
-        Add({x, y + height, top}, {width, 0, 0}, {0, -height, 0}, &rng, &rects);
-        Add({x, y, top}, {width, 0, 0}, {0, 0, -top}, &rng, &rects);
+        add({x, y + height, top}, {width, 0, 0}, {0, -height, 0});
+        add({x, y, top}, {width, 0, 0}, {0, 0, -top});
       }
     }
     return rects;
@@ -138,6 +183,33 @@ inline std::vector<Shot> Walk(int num_photos, double east_m = 0.0) {
       error_m = 3.4 * (random.Fraction() - 0.5);
     }
     shots.push_back(shot);
+  }
+  return shots;
+}
+
+// A flight to the east, back to the west and so on: lanes 12 m apart, photos every 8 m, looking
+// straight down by about a degree. The camera turns with the flight unless `is_fixed`. Errors of
+// GPS have a standard deviation of 1 m along each horizontal axis and of 3 m in height.
+inline std::vector<Shot> Flight(int num_lanes, int photos_of_lane, double height_m,
+                                bool is_fixed = false) {
+  std::vector<Shot> shots;
+  cv::RNG rng(29);
+  for (int lane = 0; lane < num_lanes; ++lane) {
+    for (int i = 0; i < photos_of_lane; ++i) {
+      const double along = lane % 2 == 0 ? 1.0 : -1.0;
+      Shot shot;
+      shot.name = "air" + std::to_string(100 + shots.size()) + ".png";
+      shot.x_in_enu = {along * 8.0 * (i - 0.5 * (photos_of_lane - 1)) + rng.gaussian(0.3),
+                       12.0 * (lane - 0.5 * (num_lanes - 1)) + rng.gaussian(0.3),
+                       height_m + rng.gaussian(0.3)};
+      // Close to straight down, the yaw less the roll is the heading of the picture's top.
+      const double heading_rad = (is_fixed ? 0.0 : -0.5 * kPi * along) + rng.gaussian(0.03);
+      shot.yaw_rad = rng.uniform(-kPi, kPi);
+      shot.pitch_rad = -0.5 * kPi + rng.gaussian(0.03);
+      shot.roll_rad = shot.yaw_rad - heading_rad;
+      shot.gps_error_m = {rng.gaussian(1.0), rng.gaussian(1.0), rng.gaussian(3.0)};
+      shots.push_back(shot);
+    }
   }
   return shots;
 }
