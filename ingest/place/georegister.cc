@@ -127,6 +127,10 @@ void AddLevelCameras(const Reconstruction& reconstruction, const ImageOrientatio
     const Eigen::Quaterniond world_from_cam =
         reconstruction.images[i].cam_from_world.rotation.conjugate();
     problem->right_in_world.push_back(world_from_cam * LevelInCam(holds.of_image[i]));
+    if (holds.of_image[i] == PictureUp::kBack) {
+      // Heights of GPS tell the tilt of a small area worse than its photos do.
+      problem->right_in_world.push_back(world_from_cam * Eigen::Vector3d::UnitY());
+    }
     problem->mean_up_in_world += world_from_cam * UpInCam(holds.of_image[i]);
   }
   problem->mean_up_in_world /= static_cast<double>(reconstruction.images.size());

@@ -30,8 +30,9 @@ struct SimilarityProblem {
     double height_accuracy_m = 1.0;
   };
   std::vector<Position> positions;
-  // The axes of all cameras that are horizontal by the way in which each was held, and the mean of
-  // the directions that are up by it; unit vectors. Used if upright_sigma_rad > 0.
+  // The axes of all cameras that are horizontal by the way in which each was held (both axes of the
+  // picture if it looks straight down), and the mean of the directions that are up by it; unit
+  // vectors. Used if upright_sigma_rad > 0.
   std::vector<Eigen::Vector3d> right_in_world;
   Eigen::Vector3d mean_up_in_world = Eigen::Vector3d::Zero();
   double upright_sigma_rad = 0.0;
