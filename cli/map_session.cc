@@ -20,9 +20,11 @@
 #include "cli/session_archive.h"
 #include "cli/session_replacement.h"
 #include "core/error.h"
+#include "core/geodesy.h"
 #include "core/printable.h"
 #include "core/replace_file.h"
 #include "ingest/maps/archive_folder.h"
+#include "ingest/place/position_checks.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -245,9 +247,20 @@ void WriteReport(const std::string& work_dir, const std::vector<MapSessionResult
   }
 }
 
+// A session that joins others does not stand where it would be near them with latitude and
+// longitude exchanged.
+void RequireRightWayRound(const MapStore& map, const PlacedReconstruction& session) {
+  constexpr double kAboutM = 2000.0;
+  const Geodetic place = GeodeticFromEcef(session.georegistration.ecef_from_world.translation);
+  RequireNotExchanged({{session.options.session_name, place}}, [&](const Geodetic& about) {
+    return !map.Snapshot().FindTiles(BoxAround(about, kAboutM)).empty();
+  });
+}
+
 // Maps one folder and places it by its positions.
 MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                           bool one_segment, const IngestProgress& progress) {
+                           const std::optional<MapStore>& map, bool one_segment,
+                           const IngestProgress& progress) {
   const CairnOptions& options = arguments.session.options;
   MapPhotosInput photos = input.photos;
   photos.num_threads = options.ingest.num_threads;
@@ -256,6 +269,9 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
   result.name = input.name;
   result.mapped = MapPhotos(photos, options.mapping, options.georegister, progress);
   result.session = SessionOf(arguments, input, &result.mapped);
+  if (HasOthersToJoin(map, arguments, input.name)) {
+    RequireRightWayRound(*map, result.session);
+  }
   result.is_mapped = true;
   return result;
 }
@@ -263,9 +279,9 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
 // As MapFolder, but what the folder's photos are to blame for is a problem of this session, and so
 // is an adjustment that fails.
 MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                              const IngestProgress& progress) {
+                              const std::optional<MapStore>& map, const IngestProgress& progress) {
   try {
-    return MapFolder(arguments, input, /*one_segment=*/!arguments.session.apart, progress);
+    return MapFolder(arguments, input, map, /*one_segment=*/!arguments.session.apart, progress);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
       throw;
@@ -286,11 +302,11 @@ std::vector<MapSessionResult> MakeSessions(const MapSessionArguments& arguments,
   std::vector<MapSessionResult> sessions;
   if (inputs.size() == 1) {
     const bool joins = HasOthersToJoin(map, arguments, inputs.front().name);
-    sessions.push_back(MapFolder(arguments, inputs.front(), joins, progress));
+    sessions.push_back(MapFolder(arguments, inputs.front(), map, joins, progress));
   } else {
     for (const SessionInput& input : inputs) {
       sessions.push_back(
-          TryMapFolder(arguments, input, ForSession(progress, input.name, inputs.size())));
+          TryMapFolder(arguments, input, map, ForSession(progress, input.name, inputs.size())));
     }
     SortSessions(&sessions);
   }

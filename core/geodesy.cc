@@ -31,8 +31,10 @@ void ValidateGeodetic(const Geodetic& position, const char* what) {
   const double lon_deg = position.lon_deg();
   constexpr double kSlackDeg = 1e-9;  // Allows for rounding in the conversion from degrees.
   if (!(std::abs(lat_deg) <= 90.0 + kSlackDeg)) {
+    const bool is_swapped = std::abs(lat_deg) <= 180.0 && std::abs(lon_deg) <= 90.0;
     throw Error(ErrorCode::kBadInput,
-                fmt::format("{}: latitude {} is not within [-90, 90] degrees", what, lat_deg));
+                fmt::format("{}: latitude {} is not within [-90, 90] degrees{}", what, lat_deg,
+                            is_swapped ? "; have latitude and longitude changed places?" : ""));
   }
   if (!(std::abs(lon_deg) <= 180.0 + kSlackDeg)) {
     throw Error(ErrorCode::kBadInput,

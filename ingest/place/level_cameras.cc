@@ -157,12 +157,14 @@ double RequireNoMirror(const UpProblem& problem, const UpChoice& choice) {
   if (odds > kModelsPerMirror) {
     throw Error(
         ErrorCode::kBadInput,
-        fmt::format("georegistration: the model looks mirrored. Its mirror image, with the cameras "
-                    "upright, explains the positions {:.0f} times better than the model itself "
-                    "({:.0f} times would do). Check whether the program that wrote the photos or "
-                    "their keypoints mirrors images. If it does not, say how the photos lie: --up "
-                    "top, left, right, bottom or down",
-                    odds, kModelsPerMirror));
+        fmt::format(
+            "georegistration: the model looks mirrored. Its mirror image, with the cameras "
+            "upright, explains the positions {:.0f} times better than the model itself "
+            "({:.0f} times would do). Check whether latitude and longitude of the positions "
+            "have changed places, and whether the program that wrote the photos or their "
+            "keypoints mirrors images. If neither is so, say how the photos lie: --up top, "
+            "left, right, bottom or down",
+            odds, kModelsPerMirror));
   }
   return odds;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/angles.h"
 #include "core/error.h"
@@ -147,6 +148,27 @@ PositionFindings CheckPositions(const std::optional<double>& default_height_m,
   MarkMissingHeights(positions);
   FillHeights(default_height_m, positions, &findings);
   return findings;
+}
+
+void RequireNotExchanged(const std::vector<CameraPosition>& positions,
+                         const std::function<bool(const Geodetic& place)>& has_map_at) {
+  std::vector<double> lats_rad, lons_rad;
+  for (const CameraPosition& position : positions) {
+    lats_rad.push_back(position.position.lat_rad);
+    lons_rad.push_back(position.position.lon_rad);
+  }
+  const Geodetic stated{Median(std::move(lats_rad)), Median(std::move(lons_rad)), 0.0};
+  const Geodetic exchanged{stated.lon_rad, stated.lat_rad, 0.0};
+  if (has_map_at(stated) || std::abs(exchanged.lat_deg()) > 90.0 || !has_map_at(exchanged)) {
+    return;
+  }
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("latitude and longitude of the positions have probably changed places: "
+                  "around {:.4f}, {:.4f} the map has nothing, and around {:.4f}, {:.4f} it "
+                  "has other sessions. Exchange the two, or add the session with --apart "
+                  "if it is right as it is",
+                  stated.lat_deg(), stated.lon_deg(), exchanged.lat_deg(), exchanged.lon_deg()));
 }
 
 }  // namespace cairn

@@ -2,6 +2,7 @@
 #ifndef CAIRN_INGEST_PLACE_POSITION_CHECKS_H_
 #define CAIRN_INGEST_PLACE_POSITION_CHECKS_H_
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,11 @@ struct PositionFindings {
 // the stated one.
 PositionFindings CheckPositions(const std::optional<double>& default_height_m,
                                 std::vector<CameraPosition>* positions);
+
+// Throws Error(kBadInput), with what to do, if `has_map_at` says that there is a map about where
+// the positions would be with latitude and longitude exchanged, and none about where they are.
+void RequireNotExchanged(const std::vector<CameraPosition>& positions,
+                         const std::function<bool(const Geodetic& place)>& has_map_at);
 
 }  // namespace cairn
 

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 
@@ -107,6 +109,33 @@ TEST(CheckPositions, RefusesCoarseRoundingUnlessTheAccuracySaysSo) {
     position.accuracy_m = 60.0;
   }
   EXPECT_EQ(RefusalOf(positions), "no error");
+}
+
+// A map of Lund, and nothing elsewhere.
+bool IsInLund(const Geodetic& place) {
+  return std::abs(place.lat_deg() - 55.7) < 0.1 && std::abs(place.lon_deg() - 13.2) < 0.1;
+}
+
+TEST(RequireNotExchanged, RefusesWhatIsInTheMapTheOtherWayRound) {
+  std::vector<CameraPosition> positions = WalkInLund();
+  EXPECT_NO_THROW(RequireNotExchanged(positions, IsInLund));
+  for (CameraPosition& position : positions) {
+    std::swap(position.position.lat_rad, position.position.lon_rad);
+  }
+  try {
+    RequireNotExchanged(positions, IsInLund);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("around 13.1952, 55.6986 the map has nothing"));
+  }
+  EXPECT_NO_THROW(RequireNotExchanged(positions, [](const Geodetic&) { return false; }));
+}
+
+// Latitudes beyond the poles do not exist.
+TEST(RequireNotExchanged, TakesAnyLongitude) {
+  const std::vector<CameraPosition> tokyo = {{"1.jpg", Geodetic::FromDegrees(35.68, 139.77, 40.0)}};
+  EXPECT_NO_THROW(RequireNotExchanged(tokyo, IsInLund));
 }
 
 }  // namespace
