@@ -19,6 +19,12 @@ namespace {
 constexpr int kMaxSeedsOfPhoto = 10;
 // A photo that was refused is tried again once it sees this many times the landmarks.
 constexpr double kRetryGrowth = 1.2;
+// A draft of more photos is adjusted as a whole only when nothing joins it any more. Until then,
+// what joined is adjusted together with what it is linked with: the rest does not change by it, and
+// the time of an adjustment grows faster than the number of photos. Smaller drafts, whose cameras
+// may still be guesses, are adjusted as a whole each time.
+constexpr int kManyPhotos = 200;
+
 // The landmarks that photos saw when they were refused.
 struct Refusals {
   explicit Refusals(size_t num_photos)
@@ -236,11 +242,12 @@ class Grower {
   }
 
   // Photos whose positions contradict the rest leave: a segment that was too small for positions
-  // took them, and the photos around them show the same repetition. True if there were any.
-  bool RemoveContradicted(Draft* draft, Refusals* refusals) {
+  // took them, and the photos around them show the same repetition. `photos` of the draft are
+  // asked. True if there were any.
+  bool RemoveContradicted(const std::vector<int>& photos, Draft* draft, Refusals* refusals) {
     const GpsCheck gps = MakeGpsCheck(*draft);
     std::vector<int> contradicted;
-    for (const int photo : draft->photos()) {
+    for (const int photo : photos) {
       const Rigid3d& cam_from_world = draft->PoseOf(photo);
       const Testimony testimony =
           proposer_.AskAbout(*draft, photo, {cam_from_world, draft->CameraOf(photo)});
@@ -264,16 +271,52 @@ class Grower {
       Remove(since, draft, refusals);
     }
     RemoveWeak(draft, refusals);
-    while (RemoveContradicted(draft, refusals)) {
+    while (RemoveContradicted(draft->photos(), draft, refusals)) {
       draft->AdjustAll(is_final);
       RemoveWeak(draft, refusals);
     }
   }
 
+  // Those of the photos that are in the draft, and the photos of the draft that they are linked
+  // with. Ascending.
+  std::vector<int> WithNeighbors(const std::vector<int>& photos, const Draft& draft) const {
+    std::vector<int> near;
+    for (const int photo : photos) {
+      near.push_back(photo);
+      for (const int view : graph_.ViewsOf(photo)) {
+        near.push_back(graph_.OtherOf(view, photo));
+      }
+    }
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    std::erase_if(near, [&](int photo) { return !draft.Has(photo); });
+    return near;
+  }
+
+  // Adjusts the photos of `since` and those that they are linked with. If the solver fails, the
+  // photos of `since` leave the draft.
+  void AdjustNear(const std::vector<int>& since, Draft* draft, Refusals* refusals) {
+    bool is_changed = true;
+    while (is_changed) {
+      const std::vector<int> near = WithNeighbors(since, *draft);
+      if (near.empty()) {
+        return;
+      }
+      if (draft->AdjustAround(near)) {
+        draft->Triangulate(near);
+      } else {
+        Remove(since, draft, refusals);
+      }
+      RemoveWeak(draft, refusals);
+      is_changed = RemoveContradicted(WithNeighbors(since, *draft), draft, refusals);
+    }
+  }
+
   void Grow(Draft* draft) {
     Refusals refusals(set_.photos.size());
-    int num_at_adjustment = draft->num_photos();
-    std::vector<int> since_adjustment;  // Photos that joined.
+    int num_at_last = draft->num_photos();  // Adjustment.
+    int num_at_final = 0;                   // Adjustment of the whole after nothing joined.
+    std::vector<int> since_adjustment;      // Photos that joined.
     bool is_final = false;
     while (true) {
       const std::vector<int> added = GrowOnce(draft, &refusals, is_final);
@@ -281,8 +324,10 @@ class Grower {
       if (progress_) {
         progress_(num_in_segments_ + draft->num_photos(), static_cast<int>(set_.photos.size()));
       }
+      const bool has_many = draft->num_photos() > kManyPhotos;
       const bool is_due =
-          draft->num_photos() > (1.0 + options_.adjust_after_growth) * num_at_adjustment;
+          draft->num_photos() > (has_many ? options_.adjust_after_growth * kManyPhotos + num_at_last
+                                          : (1.0 + options_.adjust_after_growth) * num_at_last);
       if (!added.empty() && !is_due) {
         is_final = false;
         continue;
@@ -290,18 +335,27 @@ class Grower {
       if (added.empty() && is_final) {
         break;
       }
-      AdjustAll(since_adjustment, /*is_final=*/added.empty(), draft, &refusals);
+      const bool has_many_new =
+          draft->num_photos() > (1.0 + options_.adjust_after_growth) * num_at_final;
+      if (!has_many || (added.empty() && has_many_new)) {
+        AdjustAll(since_adjustment, /*is_final=*/added.empty(), draft, &refusals);
+        num_at_final = added.empty() ? draft->num_photos() : num_at_final;
+      } else {
+        AdjustNear(since_adjustment, draft, &refusals);
+      }
       since_adjustment.clear();
       std::fill(refusals.since_adjustment.begin(), refusals.since_adjustment.end(), 0);
-      num_at_adjustment = draft->num_photos();
+      num_at_last = draft->num_photos();
       // After an adjustment that followed a round without a new photo, one more round is tried.
       is_final = added.empty();
     }
-    for (int round = 0; round < 2; ++round) {
+    // Landmarks that fit only now join the adjustment. Those of many photos do so when the segment
+    // is placed.
+    for (int round = 0; round < 2 && draft->num_photos() <= kManyPhotos; ++round) {
       draft->AdjustAll(/*is_final=*/true);
     }
     RemoveWeak(draft, &refusals);
-    while (RemoveContradicted(draft, &refusals)) {
+    while (RemoveContradicted(draft->photos(), draft, &refusals)) {
       draft->AdjustAll(/*is_final=*/true);
       RemoveWeak(draft, &refusals);
     }
