@@ -29,19 +29,6 @@ struct MapArguments : MapSessionArguments {
   std::vector<std::string> cameras;  // As of ParseCamera.
 };
 
-nlohmann::ordered_json MappedJson(const MapSessionResult& result) {
-  nlohmann::ordered_json json;
-  if (result.is_mapped) {
-    json["photos"] = MappedPhotosJson(result.mapped);
-  }
-  if (result.is_in_map) {
-    json["ingest"] = IngestJson(result.name, result.session.georegistration, result.report);
-  } else {
-    json["notInMap"] = {{"session", result.name}, {"problem", result.problem}};
-  }
-  return json;
-}
-
 void PrintMapped(const MapSessionResult& result) {
   if (result.is_mapped) {
     PrintMappedPhotos(result.mapped);
@@ -54,22 +41,13 @@ void PrintMapped(const MapSessionResult& result) {
 }
 
 void PrintResults(const std::vector<MapSessionResult>& results, bool as_json) {
-  if (as_json && results.size() == 1) {
-    cairn::PrintJson(
-        MappedJson(results.front()));  // Not the one of another verb in this namespace.
+  if (as_json) {
+    cairn::PrintJson(MapSessionsJson(results));  // Not the one of another verb in this namespace.
     return;
   }
-  nlohmann::ordered_json json;
   for (const MapSessionResult& result : results) {
-    if (as_json) {
-      json["sessions"].push_back(MappedJson(result));
-      continue;
-    }
     PrintMapped(result);
     fmt::print("{}", &result == &results.back() ? "" : "\n");
-  }
-  if (as_json) {
-    cairn::PrintJson(json);
   }
 }
 

@@ -130,8 +130,33 @@ nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped) {
   for (const StageCost& stage : mapped.stages) {
     json["stages"].push_back({{"name", stage.name},
                               {"seconds", stage.seconds},
+                              {"processorSeconds", stage.processor_seconds},
                               {"peakMegabytes", stage.peak_megabytes},
                               {"fromWork", stage.from_work}});
+  }
+  return json;
+}
+
+nlohmann::ordered_json MapSessionJson(const MapSessionResult& result) {
+  nlohmann::ordered_json json;
+  if (result.is_mapped) {
+    json["photos"] = MappedPhotosJson(result.mapped);
+  }
+  if (result.is_in_map) {
+    json["ingest"] = IngestJson(result.name, result.session.georegistration, result.report);
+  } else {
+    json["notInMap"] = {{"session", result.name}, {"problem", result.problem}};
+  }
+  return json;
+}
+
+nlohmann::ordered_json MapSessionsJson(const std::vector<MapSessionResult>& results) {
+  if (results.size() == 1) {
+    return MapSessionJson(results.front());
+  }
+  nlohmann::ordered_json json;
+  for (const MapSessionResult& result : results) {
+    json["sessions"].push_back(MapSessionJson(result));
   }
   return json;
 }

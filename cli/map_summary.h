@@ -3,13 +3,21 @@
 #define CAIRN_CLI_MAP_SUMMARY_H_
 
 #include <nlohmann/json_fwd.hpp>
+#include <vector>
 
+#include "cli/publish_in_turn.h"
 #include "mapping/session/map_photos.h"
 
 namespace cairn {
 
 void PrintMappedPhotos(const MappedPhotos& mapped);
 nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped);
+
+// A session with its photos and what it became; or why it is not in the map.
+nlohmann::ordered_json MapSessionJson(const MapSessionResult& result);
+// All that `cairn map --json` prints: the session, or an object with the array `sessions` if there
+// are several.
+nlohmann::ordered_json MapSessionsJson(const std::vector<MapSessionResult>& results);
 
 }  // namespace cairn
 

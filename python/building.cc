@@ -2,11 +2,14 @@
 #include "python/building.h"
 
 #include <fmt/format.h>
+#include <pybind11/stl.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cli/ingest_placed.h"
 #include "cli/ingest_summary.h"
@@ -24,12 +27,14 @@
 namespace cairn::python {
 namespace {
 
-// What a session became.
+// What a session became, or the sessions of one call.
 struct Summary {
   std::string session;
-  MapVersion map_version{};
+  std::optional<MapVersion> map_version;  // Of a session that is in the map.
   bool is_unchanged = false;
+  std::string problem;  // Of one that is not.
   nlohmann::ordered_json details;
+  std::vector<Summary> sessions;  // Empty: only this one.
 };
 
 void Init(const py::object& path_argument) {
@@ -137,8 +142,12 @@ SessionArguments IngestArgumentsOf(const py::object& path, const py::kwargs& key
 
 Summary SummaryOf(const PlacedReconstruction& session, const IngestReport& report) {
   const std::string& name = session.options.session_name;
-  return {name, report.map_version, report.is_unchanged,
-          IngestJson(name, session.georegistration, report)};
+  return {.session = name,
+          .map_version = report.map_version,
+          .is_unchanged = report.is_unchanged,
+          .problem = "",
+          .details = IngestJson(name, session.georegistration, report),
+          .sessions = {}};
 }
 
 Summary Ingest(const py::object& path, const py::kwargs& keywords) {
@@ -199,15 +208,60 @@ MapSessionArguments MapArgumentsOf(const py::object& path, const py::object& pho
   return arguments;
 }
 
+Summary SummaryOf(const MapSessionResult& result) {
+  Summary summary;
+  summary.session = result.name;
+  summary.problem = result.problem;
+  summary.details = MapSessionJson(result);
+  if (result.is_in_map) {
+    summary.map_version = result.report.map_version;
+    summary.is_unchanged = result.report.is_unchanged;
+  }
+  return summary;
+}
+
+// Of several, that of the session which the map got last, with all of them.
+Summary SummaryOf(const std::vector<MapSessionResult>& results) {
+  if (results.size() == 1) {
+    return SummaryOf(results.front());
+  }
+  Summary last;
+  bool is_unchanged = true;
+  std::vector<Summary> sessions;
+  for (const MapSessionResult& result : results) {
+    sessions.push_back(SummaryOf(result));
+    if (result.is_in_map) {
+      is_unchanged = is_unchanged && result.report.is_unchanged;
+      if (sessions.back().map_version > last.map_version) {
+        last = sessions.back();
+      }
+    }
+  }
+  last.is_unchanged = is_unchanged;
+  last.details = MapSessionsJson(results);
+  last.sessions = std::move(sessions);
+  return last;
+}
+
 Summary Map(const py::object& path, const py::object& photos, const py::kwargs& keywords) {
   const MapSessionArguments arguments = MapArgumentsOf(path, photos, keywords);
   Summary summary;
   RunInterruptibly(keywords["progress"], [&](const WorkProgress& report) {
-    const MapSessionResult result = MakeMapSession(arguments, report);
-    summary = SummaryOf(result.session, result.report);
-    summary.details = {{"photos", MappedPhotosJson(result.mapped)}, {"ingest", summary.details}};
+    summary = SummaryOf(MakeMapSessions(arguments, report));
   });
   return summary;
+}
+
+// Every session of the call, also if it is one.
+py::list SessionsOf(const Summary& summary) {
+  py::list sessions;
+  for (const Summary& session : summary.sessions) {
+    sessions.append(session);
+  }
+  if (summary.sessions.empty()) {
+    sessions.append(summary);
+  }
+  return sessions;
 }
 
 py::object DetailsOf(const Summary& summary) {
@@ -222,12 +276,22 @@ void BindBuilding(py::module_* module) {
   py::class_<Summary>(*module, "Summary", docs::kSummary)
       .def_property_readonly(
           "session", [](const Summary& summary) { return TextOut(summary.session); },
-          "Name of the session.")
+          "Name of the session; of several, that of the one which the map got last.")
       .def_property_readonly(
-          "map_version", [](const Summary& summary) { return Value(summary.map_version); },
-          "The version that has the session.")
+          "map_version",
+          [](const Summary& summary) {
+            return summary.map_version ? std::optional(Value(*summary.map_version)) : std::nullopt;
+          },
+          "The version that has the session, or all of several; None if it is not in the map.")
       .def_readonly("unchanged", &Summary::is_unchanged,
-                    "Whether the map had exactly this session already.")
+                    "Whether the map had exactly this session, or these sessions, already.")
+      .def_property_readonly(
+          "problem",
+          [](const Summary& summary) -> std::optional<py::str> {
+            return summary.problem.empty() ? std::nullopt : std::optional(TextOut(summary.problem));
+          },
+          "Why the session is not in the map; None if it is.")
+      .def_property_readonly("sessions", &SessionsOf, "A Summary for each session of the call.")
       .def_property_readonly("details", &DetailsOf, "All that the verb prints with --json.");
   module->def("init", &Init, arg("path"), docs::kInit);
   module->def("_ingest", &Ingest, arg("path"));

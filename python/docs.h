@@ -166,7 +166,7 @@ Runs read-only SQL on the map's file, as `cairn sql` does, and returns the rows 
 statement that has any: a list of tuples with the attribute `columns`. Ctrl-C stops at the next
 row.)";
 
-inline constexpr char kSummary[] = "What became of a session.";
+inline constexpr char kSummary[] = "What became of a session, or of several.";
 
 inline constexpr char kInit[] =
     "init(path)\n\nCreates an empty map: a file, or a postgresql:// URL.";

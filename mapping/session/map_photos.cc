@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <exception>
 #include <memory>
 #include <span>
@@ -30,21 +31,28 @@ double PeakMegabytes() {
   return 1e-3 * static_cast<double>(usage.ru_maxrss);
 }
 
+double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 // Measures a stage and adds it to the report.
 class StageClock {
  public:
   StageClock(const char* name, std::vector<StageCost>* stages)
-      : name_(name), stages_(stages), start_(std::chrono::steady_clock::now()) {}
+      : name_(name),
+        stages_(stages),
+        start_(std::chrono::steady_clock::now()),
+        processor_seconds_(ProcessorSeconds()) {}
 
   void End(bool from_work) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start_;
-    stages_->push_back({name_, taken.count(), PeakMegabytes(), from_work});
+    stages_->push_back({name_, taken.count(), ProcessorSeconds() - processor_seconds_,
+                        PeakMegabytes(), from_work});
   }
 
  private:
   const char* name_;
   std::vector<StageCost>* stages_;
   std::chrono::steady_clock::time_point start_;
+  double processor_seconds_;
 };
 
 // The stages, with the work folder between them.

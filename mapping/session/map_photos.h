@@ -56,8 +56,9 @@ struct MapPhotosInput {
 struct StageCost {
   std::string name;
   double seconds = 0.0;
-  double peak_megabytes = 0.0;  // Of the process so far.
-  bool from_work = false;       // The work folder had the result, or all parts of it.
+  double processor_seconds = 0.0;  // Of all threads, in the program and in the kernel.
+  double peak_megabytes = 0.0;     // Of the process so far.
+  bool from_work = false;          // The work folder had the result, or all parts of it.
 };
 
 // A segment of the photos and what became of it.

@@ -89,13 +89,17 @@ def map(
     """Makes a map from photos, or adds photos to one, as `cairn map` does.
 
     path: the map; it is made if there is none.
-    photos: a folder, or a sequence of folders and files.
+    photos: a folder, or a sequence of folders and files. Several folders without a `session` are a
+        session each, with the names of the folders; they are mapped one by one and join the map in
+        an order that does not depend on that of the sequence. A folder that makes no map and a
+        session that the map refuses keep no other out: `sessions` of the summary tells each, with
+        its `problem`. If the map takes none, an error says why.
     gps: CSV of positions, image,lat_deg,lon_deg,h_m[,accuracy_m]; None: the EXIF of the photos.
     gps_accuracy_m: 68 % radius of EXIF positions that state none.
     height: 'ellipsoid' or 'msl', the reference of the heights; None: msl for EXIF, else ellipsoid.
     cameras: calibrated cameras, for photos of their sizes. Others are estimated.
     work: a folder that keeps the results of stages, with which a run that was ended goes on.
-    session: its name; None: that of the folder of photos.
+    session: the name of one session of all photos; None: the name of the folder, for each folder.
     The rest is as for cairn.ingest.
     """
     return _cairn._map(

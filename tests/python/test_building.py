@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shutil
 import signal
 import tempfile
 import unittest
@@ -104,6 +105,7 @@ class MapPhotos(Building):
                             options={"mapping": {"sift": {"max_features": 1500}}},
                             progress=lambda phase, done, total: phases.add(phase))
         self.assertEqual(summary.session, "photos")
+        self.assertEqual([session.map_version for session in summary.sessions], [summary.map_version])
         self.assertGreater(len(phases), 3)
         photo = folder / "photos" / "walk_004.png"
         camera = cairn.Camera("PINHOLE", (480, 360), [320, 320, 240, 180])
@@ -116,6 +118,29 @@ class MapPhotos(Building):
             np.testing.assert_allclose(result.ecef_from_cam[:3, 3], truth[:3, 3], atol=0.1)
             self.assertEqual(map_.localize(photo.read_bytes(), camera).score, result.score)
             self.assertGreater(result.stages["extract"], 0.0)
+
+    def test_folders_become_sessions_that_join(self):
+        source = street.files(with_photos=True)
+        for day, numbers in (("monday", range(0, 10, 2)), ("tuesday", range(1, 10, 2)), ("short", ())):
+            (self.folder / day).mkdir()
+            for i in numbers:
+                shutil.copy(source / "photos" / f"walk_{i:03}.png", self.folder / day)
+        shutil.copy(source / "photos" / "walk_000.png", self.folder / "short" / "alone.png")
+        summary = cairn.map(self.path, [self.folder / day for day in ("tuesday", "short", "monday")],
+                            gps=source / "positions.csv",
+                            cameras=[cairn.Camera("PINHOLE", (480, 360), [320, 320, 240, 180])],
+                            options={"mapping": {"sift": {"max_features": 1500}}})
+        monday, tuesday, short = summary.sessions
+        self.assertEqual((monday.session, tuesday.session, short.session), ("monday", "tuesday", "short"))
+        self.assertEqual((monday.problem, tuesday.problem), (None, None))
+        self.assertIn("1 of 1 photos", short.problem)
+        self.assertIsNone(short.map_version)
+        self.assertLess(monday.map_version, tuesday.map_version)
+        self.assertEqual((summary.session, summary.map_version), ("tuesday", tuesday.map_version))
+        self.assertEqual(len(summary.details["sessions"]), 3)
+        self.assertIn("notInMap", short.details)
+        with cairn.Map(self.path) as map_:
+            self.assertEqual([session.name for session in map_.sessions], ["monday", "tuesday"])
 
     def test_refuses_what_is_no_folder(self):
         with expect_error(self, "invalid_argument", "photos"):
