@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -247,20 +248,51 @@ void WriteReport(const std::string& work_dir, const std::vector<MapSessionResult
   }
 }
 
-// A session that joins others does not stand where it would be near them with latitude and
-// longitude exchanged.
-void RequireRightWayRound(const MapStore& map, const PlacedReconstruction& session) {
+// Whether the map has sessions, but for one of this name, within some kilometers.
+bool HasOthersAbout(const MapSnapshot& map, const std::string& name, const Geodetic& place) {
   constexpr double kAboutM = 2000.0;
-  const Geodetic place = GeodeticFromEcef(session.georegistration.ecef_from_world.translation);
-  RequireNotExchanged({{session.options.session_name, place}}, [&](const Geodetic& about) {
-    return !map.Snapshot().FindTiles(BoxAround(about, kAboutM)).empty();
-  });
+  const std::vector<TileRecord> about = map.FindTiles(BoxAround(place, kAboutM));
+  if (about.empty() || !map.FindSession(name)) {
+    return !about.empty();
+  }
+  std::set<TileId> of_others;
+  for (const SessionRecord& other : map.Sessions()) {
+    if (other.name != name) {
+      const std::vector<TileId> tiles = map.TilesOfSession(other.id);
+      of_others.insert(tiles.begin(), tiles.end());
+    }
+  }
+  return std::any_of(about.begin(), about.end(),
+                     [&](const TileRecord& tile) { return of_others.count(tile.tile_id) > 0; });
+}
+
+// A session that joins others does not stand where it would be near them with latitude and
+// longitude exchanged. Of several sessions, that is the problem of one; of one, an error.
+void RequireRightWayRound(const std::optional<MapStore>& map, const MapSessionArguments& arguments,
+                          std::vector<MapSessionResult>* sessions) {
+  for (MapSessionResult& session : *sessions) {
+    if (!session.is_mapped || !HasOthersToJoin(map, arguments, session.name)) {
+      continue;
+    }
+    const Geodetic place =
+        GeodeticFromEcef(session.session.georegistration.ecef_from_world.translation);
+    try {
+      RequireNotExchanged({{session.name, place}}, [&](const Geodetic& about) {
+        return HasOthersAbout(map->Snapshot(), session.name, about);
+      });
+    } catch (const Error& error) {
+      if (sessions->size() == 1) {
+        throw;
+      }
+      session.problem = error.what();
+      session.is_mapped = false;
+    }
+  }
 }
 
 // Maps one folder and places it by its positions.
 MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                           const std::optional<MapStore>& map, bool one_segment,
-                           const IngestProgress& progress) {
+                           bool one_segment, const IngestProgress& progress) {
   const CairnOptions& options = arguments.session.options;
   MapPhotosInput photos = input.photos;
   photos.num_threads = options.ingest.num_threads;
@@ -269,9 +301,6 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
   result.name = input.name;
   result.mapped = MapPhotos(photos, options.mapping, options.georegister, progress);
   result.session = SessionOf(arguments, input, &result.mapped);
-  if (HasOthersToJoin(map, arguments, input.name)) {
-    RequireRightWayRound(*map, result.session);
-  }
   result.is_mapped = true;
   return result;
 }
@@ -279,9 +308,9 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
 // As MapFolder, but what the folder's photos are to blame for is a problem of this session, and so
 // is an adjustment that fails.
 MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                              const std::optional<MapStore>& map, const IngestProgress& progress) {
+                              const IngestProgress& progress) {
   try {
-    return MapFolder(arguments, input, map, /*one_segment=*/!arguments.session.apart, progress);
+    return MapFolder(arguments, input, /*one_segment=*/!arguments.session.apart, progress);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
       throw;
@@ -302,15 +331,16 @@ std::vector<MapSessionResult> MakeSessions(const MapSessionArguments& arguments,
   std::vector<MapSessionResult> sessions;
   if (inputs.size() == 1) {
     const bool joins = HasOthersToJoin(map, arguments, inputs.front().name);
-    sessions.push_back(MapFolder(arguments, inputs.front(), map, joins, progress));
+    sessions.push_back(MapFolder(arguments, inputs.front(), joins, progress));
   } else {
     for (const SessionInput& input : inputs) {
       sessions.push_back(
-          TryMapFolder(arguments, input, map, ForSession(progress, input.name, inputs.size())));
+          TryMapFolder(arguments, input, ForSession(progress, input.name, inputs.size())));
     }
     SortSessions(&sessions);
   }
   WriteReport(arguments.input.work_dir, sessions);
+  RequireRightWayRound(map, arguments, &sessions);
   Publish(arguments, &map, progress, &sessions);
   WriteReport(arguments.input.work_dir, sessions);
   return sessions;

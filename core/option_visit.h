@@ -4,7 +4,7 @@
 //
 //   template <OptionsOf<FadeOptions> Options, typename Visitor>
 //   void VisitOptions(Options& options, const Visitor& visitor) {
-//     auto& [share] = options;  // Names all members, so a new one does not compile without a line.
+//     auto& [share] = options;  // Names all members; a new one that is not here does not compile.
 //     visitor.Visit("share", share, WithinOf(0.0, 1.0), "Share of it that fades");
 //   }
 //

@@ -73,7 +73,11 @@ FoundCamera FindCamera(const QueryContext& query, const LocalizeQuery& stated,
   std::vector<FoundCamera> found;
   bool is_complete = true;
   const auto try_guesses = [&](const auto& find_poses) {
-    for (size_t i = 0; i < guesses.size() && !budget.DeadlinePassed(); ++i) {
+    for (size_t i = 0; i < guesses.size(); ++i) {
+      if (budget.DeadlinePassed()) {
+        is_complete = false;
+        break;
+      }
       const QueryContext guess = WithCamera(query, WithFocalScaled(prior.camera, guesses[i]));
       is_complete &= find_poses(guess, &of_guess[i]);
       JudgeGuess(guess, of_guess[i], prior, options.pose, &best_evidence, &found);

@@ -78,7 +78,7 @@ struct UpkeepOptions {
 };
 
 // All options that change the content of a tile. A plan stores them (docs/formats/plan_v1.md), so a
-// new member needs a line in ingest/ingest_option_visit.h, which does not compile without.
+// new member needs a line in ingest/ingest_option_visit.h, which does not compile without its name.
 struct TileOptions {
   SessionJoining joining = SessionJoining::kJoin;
   LandmarkSelectionOptions selection;

@@ -94,9 +94,14 @@ SessionRecord RecordOf(const Reconstruction& reconstruction, const Sim3d& ecef_f
                        const IngestOptions& options, const std::optional<SessionRecord>& known,
                        const MapSnapshot& base) {
   SessionRecord record = MakeSessionRecord(reconstruction, ecef_from_world, options);
-  if (!known || !options.recorded_at.empty() ||
-      AreOneIngest(record.content_digest, known->content_digest) ||
-      !HasPhotosOf(*known, reconstruction, base)) {
+  if (!known || !options.recorded_at.empty()) {
+    return record;
+  }
+  if (AreOneIngest(record.content_digest, known->content_digest)) {
+    record.recorded_at = known->recorded_at;
+    return record;
+  }
+  if (!HasPhotosOf(*known, reconstruction, base)) {
     return record;
   }
   IngestOptions as_known = options;

@@ -93,6 +93,11 @@ WorldFrameArguments ModelFrameOf(py::handle frame, py::handle origin) {
       RefuseArgument("origin", "is for frame='enu'");
     }
     const Geodetic place = PositionOf("origin", origin);
+    if (py::len(origin) != 3) {
+      RefuseArgument("origin",
+                     "must be (latitude, longitude, height), degrees and meters above the "
+                     "ellipsoid");
+    }
     arguments.origin = fmt::format("{},{},{}", place.lat_deg(), place.lon_deg(), place.h_m);
   }
   return arguments;

@@ -41,8 +41,9 @@ void DescribeGrowth(GrowthOptions* options, OptionList* list) {
             "How far a direction may differ from a relative pose, radians");
   list->Add("default_gps_accuracy_m", &options->default_gps_accuracy_m,
             "Accuracy of a position that states none, meters");
-  list->Add("adjust_after_growth", &options->adjust_after_growth,
-            "A segment is adjusted as a whole each time when it has grown by this share");
+  list->Add(
+      "adjust_after_growth", &options->adjust_after_growth,
+      "A segment is adjusted each time when it has grown by this share, of at most 200 photos");
   list->Add("min_photos", &options->min_photos, "Photos that a segment needs");
   list->Add("seed", &options->seed, "Seed of the samples");
 }

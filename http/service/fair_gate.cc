@@ -129,7 +129,9 @@ bool FairGate::MustPause(const Turn& turn, Clock::time_point now) const {
     return false;
   }
   if (num_computing() == num_slots) {
-    return running_.size() < 2 * num_slots && IsUrgent(*turn.client_, turn);
+    // Otherwise Admit would let this turn go on.
+    return running_.size() < 2 * num_slots && IsUrgent(*turn.client_, turn) &&
+           NextClient(now) == turn.client_;
   }
   return std::any_of(running_.begin(), running_.end(), [&](const Turn* other) {
     return !other->is_paused_ && other->client_->num_computing() < turn.client_->num_computing();

@@ -76,7 +76,7 @@ class FairGate {
     // Call now and then during a turn that may be long, on the thread that entered, without locks.
     // Pauses the turn if it has computed for longer than `patience`, and
     // - more turns than slots compute, and another client computes fewer of them, or
-    // - a request of its own client waits whose deadline is earlier.
+    // - a request of its own client is next whose deadline is earlier.
     // The turn goes on when a slot is free. So that it can finish, it pauses for at most half of
     // the time that it had from its start to its deadline.
     void MakeRoom();

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "ingest/maps/archive_blocks.h"
+#include "ingest/maps/stored_values.h"
 #include "storage/map/utc_time.h"
 #include "storage/tile/byte_io.h"
 #include "storage/tile/checksum.h"

@@ -166,8 +166,8 @@ void RequireNotExchanged(const std::vector<CameraPosition>& positions,
       ErrorCode::kBadInput,
       fmt::format("latitude and longitude of the positions have probably changed places: "
                   "around {:.4f}, {:.4f} the map has nothing, and around {:.4f}, {:.4f} it "
-                  "has other sessions. Exchange the two, or add the session with --apart "
-                  "if it is right as it is",
+                  "has other sessions. Exchange the two; if the session is right as it is, add it "
+                  "with --apart, or make another map if it is the map's that have changed",
                   stated.lat_deg(), stated.lon_deg(), exchanged.lat_deg(), exchanged.lon_deg()));
 }
 

@@ -6,7 +6,7 @@ are moved onto the truth by the similarity that fits best; printed are the dista
 the second walk from the truth (mean and largest), and those of the first. A walk is a folder with images/,
 gps_3m.csv and truth.csv (the columns of compare_mapping.py), and both truths have one frame.
 
-Needs `python3-numpy`. The exit code is 2 if a file is missing or a program fails.
+Needs `python3-numpy`. An order that fails is a line of the table; the exit code is 2 if a file is missing.
 
 Example:
   lab/peers/compare_walks.py --cairn build/release/cli/cairn --work /tmp/walks \\

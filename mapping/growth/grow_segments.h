@@ -31,7 +31,8 @@ struct GrowthOptions {
   double max_direction_error_rad = 0.087;  // 5 degrees.
   // Accuracy of a GPS position that does not state it.
   double default_gps_accuracy_m = 15.0;
-  // The segment is adjusted as a whole each time when it has grown by this share.
+  // A segment is adjusted each time when it has grown by this share: as a whole up to 200 photos,
+  // and beyond, by this share of 200, where it grew.
   double adjust_after_growth = 0.33;
   // Photos that a segment needs. Fewer photos have no one to contradict them.
   int min_photos = 3;

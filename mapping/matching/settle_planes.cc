@@ -55,6 +55,7 @@ Stories StoriesOf(const PhotoSet& set, const TwoView& view) {
     return {};
   }
   Stories stories = {StoryOf(view, plane->normal_in_a)};
+  stories.front().view.inliers = {};  // The set has them already.
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const RayMatch& match : rays.rays) {
     sum += match.a;

@@ -10,6 +10,7 @@
 
 #include "cli/map_session.h"
 #include "core/error.h"
+#include "core/geodesy.h"
 #include "mapping/photo_scene.h"
 #include "support/expect_error.h"
 #include "support/temp_dir.h"
@@ -92,6 +93,23 @@ TEST_F(MapFolders, LeaveNothingInTheArchiveOfAMapThatIsNotMade) {
   testing::ExpectError([&] { MakeMapSessions(arguments, take_name); }, ErrorCode::kConflict,
                        "already exists");
   EXPECT_TRUE(std::filesystem::is_empty(arguments.archive_path));
+}
+
+TEST_F(MapFolders, WithExchangedLatitudeAndLongitudeAreRefusedWithAPicture) {
+  Map({"tuesday"});
+  std::vector<Shot> exchanged = testing::Walk(9, 1.0);
+  for (Shot& shot : exchanged) {
+    const Geodetic gps =
+        GeodeticFromEcef(EcefFromEnu(PhotoScene::Origin()) * (shot.x_in_enu + shot.gps_error_m));
+    shot.exif.lat_deg = gps.lon_deg();
+    shot.exif.lon_deg = gps.lat_deg();
+    shot.exif.altitude_m = gps.h_m;
+  }
+  testing::WriteFolder(PhotoScene(7), exchanged, dir_.path() / "exchanged");
+  std::filesystem::remove_all(dir_.File("w"));
+  testing::ExpectError([&] { Map({"exchanged"}); }, ErrorCode::kBadInput,
+                       "have probably changed places");
+  EXPECT_THAT(ReadAll("w/report.svg"), HasSubstr(">exchanged</text>"));
 }
 
 TEST_F(MapFolders, OfOneNameAreRefused) {

@@ -62,17 +62,20 @@ TEST(IngestSession, ACorrectedImageSizeIsAnotherSession) {
   MapStore store = MapStore::Create(dir.File("map.gpkg"));
   const testing::StreetWorld world(testing::ShortStreet());
   Reconstruction reconstruction = world.Reconstruct();
+  IngestOptions options = testing::SessionNamed("monday");
+  options.now = "2026-01-01T00:00:00Z";
   const auto ingest = [&] {
-    return IngestSession(reconstruction, world.EcefFromWorld(), testing::SessionNamed("monday"),
-                         &store, {});
+    return IngestSession(reconstruction, world.EcefFromWorld(), options, &store, {});
   };
   EXPECT_FALSE(ingest().is_unchanged);
   EXPECT_TRUE(ingest().is_unchanged);
   const Camera& camera = reconstruction.cameras[0];
   reconstruction.cameras[0] =
       Camera(camera.model(), camera.width_px() + 8, camera.height_px(), camera.params());
+  options.now = "2026-02-01T00:00:00Z";
   EXPECT_FALSE(ingest().is_unchanged);
   EXPECT_TRUE(ingest().is_unchanged);
+  EXPECT_EQ(store.Snapshot().FindSession("monday")->recorded_at, "2026-01-01T00:00:00Z");
 }
 
 // Counts the options of a struct, or changes one of them.

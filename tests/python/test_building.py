@@ -90,6 +90,8 @@ class Ingest(Building):
             cairn.ingest(self.path, model="m", database="d", frame="enu")
         with expect_error(self, "invalid_argument", "origin"):
             cairn.ingest(self.path, model="m", database="d", frame="ecef", origin=(1, 2, 3))
+        with expect_error(self, "invalid_argument", "origin", "height"):
+            cairn.ingest(self.path, model="m", database="d", frame="enu", origin=(47.0, 8.0))
         with expect_error(self, "invalid_argument", "progress"):
             cairn.ingest(self.path, model="m", database="d", gps=True, progress=5)
         with expect_error(self, "invalid_argument", "height"):
