@@ -102,7 +102,7 @@ class FairGate {
   explicit FairGate(const FairGateOptions& options) : options_(options) {}
 
   int num_waiting() const;
-  int num_paused() const;
+  int num_paused() const;  // Of the turns under way. Tests wait for it.
 
  private:
   void Queue(Turn* turn);

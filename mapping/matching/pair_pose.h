@@ -29,8 +29,8 @@ struct PairPose {
 std::optional<PairPose> FindPairPose(std::span<const RayMatch> rays, const TwoViewOptions& options,
                                      double score_to_beat, uint64_t seed);
 
-// The pose refined on its inliers among the rays, as often as it takes. Nothing if there are fewer
-// than `min_inliers`.
+// The pose, refined on its inliers among the rays until these stay the same, three times at most.
+// Nothing if fewer than `min_inliers` remain.
 std::optional<PairPose> SettlePose(std::span<const RayMatch> rays, const Rigid3d& b_from_a,
                                    int min_inliers);
 

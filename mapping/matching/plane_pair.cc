@@ -12,7 +12,7 @@
 namespace cairn {
 namespace {
 
-// Half of the points on the plane give a sample of three without others with a probability of 1/8.
+// If half of the points lie on the plane, one sample of three in eight has only such points.
 constexpr int kPlaneSamples = 50;
 constexpr size_t kMaxScored = 200;
 constexpr int kPlaneRounds = 5;

@@ -17,7 +17,7 @@ struct SeenPlane {
   // The unit normal, pointing away from camera a, over the distance of the plane from it, in units
   // of the baseline and the frame of a. A ray a meets the plane at the depth 1 / (a . normal_in_a).
   Eigen::Vector3d normal_in_a = Eigen::Vector3d::Zero();
-  int num_explained = 0;  // Matches of `inliers` that lie on it within four standard deviations.
+  int num_explained = 0;  // Inliers that lie on it within four standard deviations.
 };
 
 // The plane of the matches `inliers` under a relative pose with a unit translation; the others may

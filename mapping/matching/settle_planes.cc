@@ -14,14 +14,14 @@
 namespace cairn {
 namespace {
 
-// A view shows a plane if so many of its inliers lie on it.
+// A view shows a plane if this share of its inliers lies on it.
 constexpr double kShareOnPlane = 0.8;
-// A twin that loses more of the inliers is refuted by them.
+// The inliers refute a twin that keeps a smaller share of them.
 constexpr double kShareOfTwin = 0.9;
 // Normals that differ by more do not agree. The right ones differ by their errors, about a
 // hundredth; the wrong ones by half the angle between the baselines, seen from the plane.
 constexpr double kMaxNormalErrorRad = 0.087;
-// A story is replaced if so many more two views agree with the other.
+// The twin replaces a story if the support of the twin (SupportOf) is larger by more than this.
 constexpr double kLeastMajority = 0.5;
 
 struct Story {
@@ -29,7 +29,7 @@ struct Story {
   std::array<Eigen::Vector3d, 2> normals;  // In the frames of the photos a and b; unit vectors.
 };
 
-// The stories of a view, first the one that it has. None if it shows no plane.
+// The stories of a view, first the one that it has. Empty if it shows no plane.
 using Stories = std::vector<Story>;
 
 std::optional<SeenPlane> PlaneOf(const PairRays& rays, std::span<const int> inliers,
@@ -86,18 +86,22 @@ const Eigen::Vector3d& NormalAt(const Story& story, int photo) {
   return story.normals[story.view.a == photo ? 0 : 1];
 }
 
-// How many of the other views of its photos can agree with a story.
+// The sum of how well each other view of the story's two photos agrees with it, in [0, 1], by that
+// view's better story.
 double SupportOf(const std::vector<Stories>& stories,
                  const std::vector<std::vector<int>>& views_of_photo, int view, int story) {
   double support = 0.0;
   const Story& own = stories[view][story];
   for (const int photo : {own.view.a, own.view.b}) {
     for (const int other : views_of_photo[photo]) {
+      if (other == view) {
+        continue;
+      }
       double best = 0.0;
       for (const Story& told : stories[other]) {
         best = std::max(best, AgreementOf(NormalAt(own, photo), NormalAt(told, photo)));
       }
-      support += other == view ? 0.0 : best;
+      support += best;
     }
   }
   return support;

@@ -14,8 +14,8 @@
 namespace cairn {
 namespace {
 
-// Matches of a wall 8 m ahead, to the right of the middle between the cameras. `others_every`: one
-// match in so many lies in front of the wall; 0: none.
+// Matches of a wall 8 m ahead, to the right of the middle between the cameras. Every match whose
+// index is a multiple of `others_every` lies in front of the wall; with 0, no match does.
 std::vector<RayMatch> MatchesOfAWall(const Rigid3d& b_from_a, int others_every = 0,
                                      double noise_rad = 0.0) {
   std::mt19937_64 rng(5);
