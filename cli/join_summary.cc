@@ -33,7 +33,8 @@ void PrintAnchoring(const MapComparison& comparison) {
 void PrintAdjustment(const JointAdjustment& adjustment) {
   if (adjustment.num_shared > 0) {
     fmt::print(
-        "adjustment       {} landmarks shared with the map, which stay; {} sights, {:.2f} px rms; "
+        "adjustment       {} landmarks shared with the map, which stay; {} observations, {:.2f} px "
+        "rms; "
         "cameras moved by {:.3f} m at most\n",
         adjustment.num_shared, adjustment.num_observations, adjustment.rms_px,
         adjustment.largest_move_m);

@@ -279,7 +279,7 @@ std::string Figures(const MappedPhotos& mapped) {
       fmt::format("{} of {} photos in the model", mapped.num_mapped, mapped.num_photos);
   for (const SegmentReport& segment : mapped.segments) {
     if (segment.problem.empty()) {
-      text += fmt::format("; {} sights, {:.2f} px, positions {:.2f} m median",
+      text += fmt::format("; {} observations, {:.2f} px, positions {:.2f} m median",
                           segment.adjustment.num_observations, segment.adjustment.rms_px,
                           segment.georegistration.median_residual_m);
     }

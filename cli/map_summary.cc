@@ -57,7 +57,7 @@ void PrintSegments(const MappedPhotos& mapped) {
       continue;
     }
     fmt::print(
-        "segment          {} photos; {} sights of landmarks, {:.2f} px rms; placed by {} "
+        "segment          {} photos; {} observations of landmarks, {:.2f} px rms; placed by {} "
         "positions, "
         "{:.2f} m median\n",
         segment.num_photos, segment.adjustment.num_observations, segment.adjustment.rms_px,

@@ -52,7 +52,7 @@ std::optional<AdjustReport> AdjustIfSolved(const AdjustPriors& priors, const Adj
 // Where the landmark stands by the adjusted cameras; where they carry it if its rays do not tell.
 Eigen::Vector3d Placed(const Reconstruction& before, const Reconstruction& adjusted,
                        const ReconLandmark& landmark) {
-  if (const auto x_in_world = TriangulatePoint(ViewsOf(adjusted, landmark))) {
+  if (const auto x_in_world = TriangulatePoint(PointObservationsOf(adjusted, landmark))) {
     return *x_in_world;
   }
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

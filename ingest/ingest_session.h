@@ -22,8 +22,8 @@ using BeforePublish = std::function<void(const PlannedSession& planned)>;
 // PlanSession, SessionTileBuilder and PublishSession in one process. Writes one session in one
 // transaction: readers see all of it or nothing. `ecef_from_world` places the reconstruction (see
 // georegister.h). With SessionJoining::kJoin, the session moves to where the map sees it. Its
-// sights update the landmarks that the map knows. Landmarks that earlier sessions saw, and that
-// this session should have seen but did not, fade. The same session again changes nothing.
+// observations update the landmarks that the map knows. Landmarks that earlier sessions saw, and
+// that this session should have seen but did not, fade. The same session again changes nothing.
 // `progress` is called by one thread at a time, not always the same.
 //
 // Throws Error(kBadInput) if the descriptor type or dimension is not the map's; Error(kConflict) if

@@ -35,7 +35,8 @@ struct PlannedTile {
   std::string base_digest;  // Of the payload that the plan starts from; empty if there is none.
   KeyframeId first_keyframe{};
   int64_t num_keyframes = 0;
-  int64_t work = 0;  // Sights of the session plus landmarks of the map; time is about proportional.
+  int64_t work =
+      0;  // Observations of the session plus landmarks of the map; time is about proportional.
 };
 
 // A value without the session's photos: all that publishing needs besides the built tiles.

@@ -1,5 +1,5 @@
 // Puts a session into one tile, stage by stage: a function of the payload that the map has and of
-// the sights of the session. Private to ingest.
+// the observations of the session. Private to ingest.
 #ifndef CAIRN_INGEST_TILE_REWRITER_H_
 #define CAIRN_INGEST_TILE_REWRITER_H_
 

@@ -41,7 +41,7 @@ void ReduceBudget(const Tile& selected, int64_t bytes, int64_t max_bytes, const 
 Tile WithoutFaded(const Tile& tile, const UpkeepOptions& upkeep, const SessionTimes& times) {
   std::vector<uint32_t> existing;
   for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
-    if (ExistenceProbability(tile.SightingsOf(i), times, upkeep.persistence) >=
+    if (ExistenceProbability(tile.HistoryOf(i), times, upkeep.persistence) >=
         upkeep.least_existence) {
       existing.push_back(i);
     }
@@ -59,7 +59,7 @@ std::vector<double> RateByHistory(const Tile& tile, const SessionTimes& times,
                                   const PersistenceOptions& persistence, int min_observations) {
   std::vector<double> rates(tile.num_landmarks());
   for (size_t i = 0; i < rates.size(); ++i) {
-    rates[i] = min_observations + ExpectedSights(tile.SightingsOf(i), times, persistence);
+    rates[i] = min_observations + ExpectedObservations(tile.HistoryOf(i), times, persistence);
   }
   return rates;
 }

@@ -20,7 +20,7 @@ Tile WithoutFaded(const Tile& tile, const UpkeepOptions& upkeep, const SessionTi
 // Returns the tile without these keyframes.
 Tile WithoutKeyframes(const Tile& tile, const std::vector<KeyframeId>& keyframes);
 
-// Returns, for each landmark, the sights that a future session can expect, plus
+// Returns, for each landmark, the observations that a future session can expect, plus
 // `min_observations`: any landmark of a map was seen often enough once, so that the selection
 // refuses none.
 std::vector<double> RateByHistory(const Tile& tile, const SessionTimes& times,

@@ -46,7 +46,7 @@ class Server {
     SetTurn(&stated);
     PythonResult answer;
     try {
-      answer.result = stated.sight.features ? AskWithFeatures(stated) : AskWithImages(stated);
+      answer.result = stated.input.features ? AskWithFeatures(stated) : AskWithImages(stated);
     } catch (...) {
       SetTurn(nullptr);
       throw;
@@ -97,7 +97,7 @@ class Server {
   // Sends the pictures as they are stored, and says which way the camera means them.
   LocalizeResult AskWithImages(const StatedQuery& stated) {
     const auto start = Clock::now();
-    std::vector<std::vector<uint8_t>> images = {EncodedImage(stated.sight)};
+    std::vector<std::vector<uint8_t>> images = {EncodedImage(stated.input)};
     const ExifInfo exif = ReadExif(images[0]);
     const bool is_turned = WantsTurn(exif, stated.camera ? &stated.camera->camera : nullptr);
     int width_px = exif.width_px, height_px = exif.height_px;
@@ -105,12 +105,12 @@ class Server {
       std::swap(width_px, height_px);
     }
     LocalizeQuery query = QueryWithoutFeatures(stated, &exif, width_px, height_px);
-    for (const RigSight& seen : stated.rig) {
-      if (seen.sight.features) {
+    for (const RigInput& seen : stated.rig) {
+      if (seen.input.features) {
         throw Error(ErrorCode::kInvalidArgument,
                     "rig: a server takes either pictures or features of all cameras");
       }
-      images.push_back(EncodedImage(seen.sight));
+      images.push_back(EncodedImage(seen.input));
     }
     if (stated.timeout_ms) {
       query.deadline = start + std::chrono::milliseconds(*stated.timeout_ms);

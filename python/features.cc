@@ -10,8 +10,8 @@
 #include "python/arguments.h"
 #include "python/arrays.h"
 #include "python/camera.h"
+#include "python/camera_input.h"
 #include "python/docs.h"
-#include "python/sight.h"
 
 namespace cairn::python {
 namespace {
@@ -98,14 +98,14 @@ std::shared_ptr<StoredFeatures> Extract(const py::object& image, const py::objec
   if (TextOf("type", type) != "sift") {
     RefuseArgument("type", "cairn extracts 'sift'; make cairn.Features of other features");
   }
-  const Sight sight = SightOf("image", image);
-  if (sight.features) {
+  const CameraInput input = CameraInputOf("image", image);
+  if (input.features) {
     RefuseArgument("image", "must be a picture, not features");
   }
   const std::optional<StatedCamera> camera = CameraOf("camera", camera_argument);
   const SiftOptions sift = OptionsOf(options).sift;
   const py::gil_scoped_release release;
-  const Picture picture = ReadPicture(sight, camera ? &camera->camera : nullptr);
+  const Picture picture = ReadPicture(input, camera ? &camera->camera : nullptr);
   return std::make_shared<StoredFeatures>(
       ExtractSift(picture.image, sift), "sift",
       std::array{picture.image.picture_width_px(), picture.image.picture_height_px()});

@@ -22,7 +22,7 @@ double SecondsSince(Clock::time_point start) {
 }
 
 // Adds to `owners` what the result refers to: the image, which the item may let go of.
-RigSight RigSightOf(const std::string& argument, py::handle value,
+RigInput RigInputOf(const std::string& argument, py::handle value,
                     std::vector<py::object>* owners) {
   if (!py::isinstance<py::sequence>(value) || py::isinstance<py::str>(value) ||
       py::len(value) != 3) {
@@ -35,7 +35,8 @@ RigSight RigSightOf(const std::string& argument, py::handle value,
   }
   const py::object image = parts[0];
   owners->push_back(image);
-  return {SightOf(argument + "[0]", image), camera->camera, PoseOf(argument + "[2]", parts[2])};
+  return {CameraInputOf(argument + "[0]", image), camera->camera,
+          PoseOf(argument + "[2]", parts[2])};
 }
 
 // The other cameras of a rig.
@@ -45,7 +46,7 @@ void AddRig(const py::object& rig, PythonQuery* query) {
   }
   for (const py::handle item : rig) {
     query->stated.rig.push_back(
-        RigSightOf(fmt::format("rig[{}]", query->stated.rig.size()), item, &query->owners));
+        RigInputOf(fmt::format("rig[{}]", query->stated.rig.size()), item, &query->owners));
   }
 }
 
@@ -95,9 +96,9 @@ void Lend(const std::shared_ptr<StoredFeatures>& features, const std::string& de
   filled->loans.push_back(std::make_unique<FeatureLoan>(features, to));
 }
 
-Picture Read(const Sight& sight, const Camera* camera, LentQuery* filled) {
+Picture Read(const CameraInput& input, const Camera* camera, LentQuery* filled) {
   const auto start = Clock::now();
-  Picture picture = ReadPicture(sight, camera);
+  Picture picture = ReadPicture(input, camera);
   filled->decode_seconds += SecondsSince(start);
   return picture;
 }
@@ -113,12 +114,12 @@ void FillRig(const StatedQuery& stated, const SiftOptions& sift, const std::stri
              LentQuery* filled) {
   std::vector<RigCamera>& others = filled->query.other_cameras;
   for (size_t i = 0; i < stated.rig.size(); ++i) {
-    const RigSight& seen = stated.rig[i];
-    if (seen.sight.features) {
-      Lend(seen.sight.features, descriptor_type, &others[i].features, filled);
+    const RigInput& seen = stated.rig[i];
+    if (seen.input.features) {
+      Lend(seen.input.features, descriptor_type, &others[i].features, filled);
       continue;
     }
-    const Picture picture = Read(seen.sight, &seen.camera, filled);
+    const Picture picture = Read(seen.input, &seen.camera, filled);
     if (picture.image.picture_width_px() != seen.camera.width_px() ||
         picture.image.picture_height_px() != seen.camera.height_px()) {
       throw Error(ErrorCode::kInvalidArgument,
@@ -136,7 +137,7 @@ PythonQuery MakeQuery(const py::object& image, const py::object& camera, const p
                       const py::object& exif_prior) {
   PythonQuery query;
   StatedQuery& stated = query.stated;
-  stated.sight = SightOf("image", image);
+  stated.input = CameraInputOf("image", image);
   query.owners.push_back(image);
   stated.camera = CameraOf("camera", camera);
   stated.exif_prior = FlagOf("exif_prior", exif_prior);
@@ -180,7 +181,7 @@ PythonQuery QueryOf(const std::string& argument, const py::object& value) {
     return value.cast<PythonQuery>();
   }
   PythonQuery query;
-  query.stated.sight = SightOf(argument, value);
+  query.stated.input = CameraInputOf(argument, value);
   query.owners.push_back(value);
   return query;
 }
@@ -198,7 +199,7 @@ LocalizeQuery QueryWithoutFeatures(const StatedQuery& stated, const ExifInfo* ex
     }
     query.focal.reset();
   }
-  for (const RigSight& seen : stated.rig) {
+  for (const RigInput& seen : stated.rig) {
     query.other_cameras.push_back({seen.camera, seen.cam_from_first, {}});
   }
   query.prior = stated.prior;
@@ -213,12 +214,12 @@ void FillQuery(const StatedQuery& stated, const SiftOptions& sift,
                const std::string& descriptor_type, LentQuery* filled) {
   const auto start = Clock::now();
   const Camera* camera = stated.camera ? &stated.camera->camera : nullptr;
-  if (stated.sight.features) {
-    const auto [width_px, height_px] = SizeOfFeatures(*stated.sight.features, camera);
+  if (stated.input.features) {
+    const auto [width_px, height_px] = SizeOfFeatures(*stated.input.features, camera);
     filled->query = QueryWithoutFeatures(stated, nullptr, width_px, height_px);
-    Lend(stated.sight.features, descriptor_type, &filled->query.features, filled);
+    Lend(stated.input.features, descriptor_type, &filled->query.features, filled);
   } else {
-    const Picture picture = Read(stated.sight, camera, filled);
+    const Picture picture = Read(stated.input, camera, filled);
     filled->query = QueryWithoutFeatures(stated, &picture.exif, picture.image.picture_width_px(),
                                          picture.image.picture_height_px());
     filled->query.features = Extract(picture, sift, filled);

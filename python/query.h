@@ -12,21 +12,21 @@
 #include "engine/localizer.h"
 #include "engine/query/localize_query.h"
 #include "python/camera.h"
+#include "python/camera_input.h"
 #include "python/result.h"
-#include "python/sight.h"
 
 namespace cairn::python {
 
-struct RigSight {
-  Sight sight;
+struct RigInput {
+  CameraInput input;
   Camera camera;
   Rigid3d cam_from_first;
 };
 
 struct StatedQuery {
-  Sight sight;
+  CameraInput input;
   std::optional<StatedCamera> camera;
-  std::vector<RigSight> rig;
+  std::vector<RigInput> rig;
   std::optional<PositionPrior> prior;
   bool exif_prior = true;
   std::optional<Eigen::Vector3d> down_in_cam;

@@ -275,8 +275,8 @@ CREATE TABLE keyframes (
   heading_deg DOUBLE  NOT NULL                   -- Of the optical axis, clockwise from north.
 );
 
--- The tiles whose content names a session, in this or an earlier version. A session can have sightings
--- in a tile without a keyframe there. Rows stay when content goes; they say where to look.
+-- The tiles whose content names a session, in this or an earlier version. A session can be in
+-- histories of a tile without a keyframe there. Rows stay when content goes; they say where to look.
 CREATE TABLE cairn_session_tiles (
   session_id INTEGER NOT NULL,
   tile_id    INTEGER NOT NULL,

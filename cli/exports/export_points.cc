@@ -33,7 +33,7 @@ struct SpilledLandmark {
   int64_t session_id;
 };
 
-struct SpilledSight {
+struct SpilledObservation {
   uint64_t landmark_id;
   uint32_t image_id;
   uint32_t keypoint_idx;
@@ -48,13 +48,13 @@ class LandmarkSpill {
     ids_of_bucket_ = std::max(kIdsOfBucket, num_ids / kMaxBuckets + 1);
     for (uint64_t i = 0; i <= num_ids / ids_of_bucket_; ++i) {
       landmarks_.emplace_back(folder);
-      sights_.emplace_back(folder);
+      observations_.emplace_back(folder);
     }
   }
 
   size_t num_buckets() const { return landmarks_.size(); }
   SpillFile<SpilledLandmark>& landmarks(size_t bucket) { return landmarks_[bucket]; }
-  SpillFile<SpilledSight>& sights(size_t bucket) { return sights_[bucket]; }
+  SpillFile<SpilledObservation>& observations(size_t bucket) { return observations_[bucket]; }
   // Ids of a damaged map may be too large; they join the last range.
   size_t BucketOf(uint64_t landmark_id) const {
     return std::min(static_cast<size_t>(landmark_id / ids_of_bucket_), num_buckets() - 1);
@@ -63,7 +63,7 @@ class LandmarkSpill {
  private:
   uint64_t ids_of_bucket_;
   std::deque<SpillFile<SpilledLandmark>> landmarks_;
-  std::deque<SpillFile<SpilledSight>> sights_;
+  std::deque<SpillFile<SpilledObservation>> observations_;
 };
 
 // Gives each set of intrinsics an id.
@@ -200,21 +200,21 @@ class PointExport {
     for (size_t i = 0; i < landmarks.size(); ++i) {
       const Eigen::Vector3d x_in_tile = tile.x_in_tile[i].cast<double>();
       const Eigen::Vector3d x_in_world = options_.world_from_ecef * (ecef_from_tile * x_in_tile);
-      const auto sightings = tile.SightingsOf(i);
+      const auto history = tile.HistoryOf(i);
       landmarks[i] = {.landmark_id = Value(tile.landmark_ids[i]),
                       .x_in_world = {x_in_world.x(), x_in_world.y(), x_in_world.z()},
                       .sigma_m = static_cast<float>(SigmaFromCode(tile.sigma_codes[i])),
                       .height_over_cameras_m = static_cast<float>(x_in_tile.z() - camera_height_m),
-                      .session_id = sightings.empty() ? 0 : Value(sightings.front().session_id)};
+                      .session_id = history.empty() ? 0 : Value(history.front().session_id)};
     }
     return landmarks;
   }
 
   bool WasSeen(const Tile& tile, size_t landmark_idx) const {
-    const auto sightings = tile.SightingsOf(landmark_idx);
+    const auto history = tile.HistoryOf(landmark_idx);
     return !options_.session ||
-           std::any_of(sightings.begin(), sightings.end(), [&](const LandmarkSighting& sighting) {
-             return sighting.session_id == *options_.session;
+           std::any_of(history.begin(), history.end(), [&](const HistoryEntry& entry) {
+             return entry.session_id == *options_.session;
            });
   }
 
@@ -250,7 +250,7 @@ class PointExport {
         continue;
       }
       const double sigma_in_world = landmark.sigma_m * options_.world_from_ecef.scale;
-      spill_.sights(spill_.BucketOf(landmark.landmark_id))
+      spill_.observations(spill_.BucketOf(landmark.landmark_id))
           .Add({.landmark_id = landmark.landmark_id,
                 .image_id = image_id,
                 .keypoint_idx = static_cast<uint32_t>(keypoints.size()),
@@ -311,44 +311,48 @@ class PointExport {
   // Of the copies of a landmark, the most accurate counts, or else that of the first tile.
   void WriteBucket(size_t bucket) {
     std::vector<SpilledLandmark> landmarks = spill_.landmarks(bucket).TakeAll();
-    std::vector<SpilledSight> sights = spill_.sights(bucket).TakeAll();
+    std::vector<SpilledObservation> observations = spill_.observations(bucket).TakeAll();
     std::stable_sort(landmarks.begin(), landmarks.end(), [](const auto& a, const auto& b) {
       return std::pair(a.landmark_id, a.sigma_m) < std::pair(b.landmark_id, b.sigma_m);
     });
-    std::stable_sort(sights.begin(), sights.end(),
+    std::stable_sort(observations.begin(), observations.end(),
                      [](const auto& a, const auto& b) { return a.landmark_id < b.landmark_id; });
-    auto sight = sights.begin();
+    auto observation = observations.begin();
     for (size_t i = 0; i < landmarks.size(); ++i) {
       if (i > 0 && landmarks[i].landmark_id == landmarks[i - 1].landmark_id) {
         continue;
       }
-      const auto first = sight;
-      while (sight != sights.end() && sight->landmark_id == landmarks[i].landmark_id) {
-        ++sight;
+      const auto first = observation;
+      while (observation != observations.end() &&
+             observation->landmark_id == landmarks[i].landmark_id) {
+        ++observation;
       }
-      WriteLandmark(landmarks[i], {first, sight});
+      WriteLandmark(landmarks[i], {first, observation});
     }
   }
 
-  void WriteLandmark(const SpilledLandmark& landmark, std::span<const SpilledSight> sights) {
+  void WriteLandmark(const SpilledLandmark& landmark,
+                     std::span<const SpilledObservation> observations) {
     const Rgb color = ColorOf(landmark);
     ++exported_.num_points;
     if (ply_) {
       ply_->Add(landmark, color);
     }
-    if (sights.empty()) {
+    if (observations.empty()) {
       ++exported_.num_unseen;
       return;
     }
     if (model_) {
       std::vector<ColmapTrackElement> track;
       double sum_sq_px = 0.0;
-      for (const SpilledSight& sight : sights) {
-        track.push_back({.image_id = sight.image_id, .keypoint_idx = sight.keypoint_idx});
-        sum_sq_px += double{sight.sigma_px} * sight.sigma_px;
+      for (const SpilledObservation& observation : observations) {
+        track.push_back(
+            {.image_id = observation.image_id, .keypoint_idx = observation.keypoint_idx});
+        sum_sq_px += double{observation.sigma_px} * observation.sigma_px;
       }
       model_->AddPoint(landmark.landmark_id, Eigen::Map<const Eigen::Vector3d>(landmark.x_in_world),
-                       color, std::sqrt(sum_sq_px / static_cast<double>(sights.size())), track);
+                       color, std::sqrt(sum_sq_px / static_cast<double>(observations.size())),
+                       track);
     }
   }
 

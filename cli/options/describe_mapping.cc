@@ -59,7 +59,7 @@ void DescribeAdjust(AdjustOptions* options, OptionList* list) {
   list->Add("min_relative_change", &options->min_relative_change,
             "A solution ends when its cost falls by less than this share");
   list->Add("max_error_sigmas", &options->max_error_sigmas,
-            "Sights with a larger error leave, in standard deviations of a keypoint");
+            "Observations with a larger error leave, in standard deviations of a keypoint");
   list->Add("max_rounds", &options->max_rounds, "Most solutions, with outliers leaving between");
   list->Add("min_ray_angle_rad", &options->min_ray_angle_rad,
             "Landmarks whose rays span less leave, radians");

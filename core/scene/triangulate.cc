@@ -28,15 +28,15 @@ bool IsSolvable(const Eigen::Matrix3d& hessian) {
 }
 
 // The point with the smallest sum of squared distances to all rays.
-std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointView> views) {
+std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointObservation> observations) {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rhs = Eigen::Vector3d::Zero();
-  for (const PointView& view : views) {
-    const auto ray_in_cam = view.camera->Unproject(view.pixel);
+  for (const PointObservation& observation : observations) {
+    const auto ray_in_cam = observation.camera->Unproject(observation.pixel);
     if (!ray_in_cam) {
       return std::nullopt;
     }
-    const Rigid3d world_from_cam = view.cam_from_world.Inverse();
+    const Rigid3d world_from_cam = observation.cam_from_world.Inverse();
     const Eigen::Vector3d ray = world_from_cam.rotation * *ray_in_cam;
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
     hessian += across;
@@ -49,21 +49,22 @@ std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointView> views) {
 }
 
 // Normal equations of the reprojection errors in units of their sigmas. Returns nothing if the
-// point is not visible in a view. `robust` applies Cauchy's loss.
-std::optional<NormalSystem<3>> Linearize(std::span<const PointView> views,
+// point is not visible in a observation. `robust` applies Cauchy's loss.
+std::optional<NormalSystem<3>> Linearize(std::span<const PointObservation> observations,
                                          const Eigen::Vector3d& x_in_world, bool robust) {
   constexpr double kSqLossScale = kLossScaleSigmas * kLossScaleSigmas;
   NormalSystem<3> equations;
-  for (const PointView& view : views) {
+  for (const PointObservation& observation : observations) {
     Eigen::Matrix<double, 2, 3> pixel_by_cam;
-    const auto pixel =
-        view.camera->ProjectWithJacobian(view.cam_from_world * x_in_world, &pixel_by_cam);
+    const auto pixel = observation.camera->ProjectWithJacobian(
+        observation.cam_from_world * x_in_world, &pixel_by_cam);
     if (!pixel) {
       return std::nullopt;
     }
-    const Eigen::Vector2d residual = (*pixel - view.pixel) / view.sigma_px;
+    const Eigen::Vector2d residual = (*pixel - observation.pixel) / observation.sigma_px;
     const Eigen::Matrix<double, 2, 3> jacobian =
-        pixel_by_cam * view.cam_from_world.rotation.toRotationMatrix() / view.sigma_px;
+        pixel_by_cam * observation.cam_from_world.rotation.toRotationMatrix() /
+        observation.sigma_px;
     const double sq_residual = residual.squaredNorm();
     const double weight = robust ? 1.0 / (1.0 + sq_residual / kSqLossScale) : 1.0;
     equations.normal += weight * jacobian.transpose() * jacobian;
@@ -77,30 +78,31 @@ std::optional<NormalSystem<3>> Linearize(std::span<const PointView> views,
 
 double KeypointSigmaPx(double scale_px) { return std::max(0.5, 0.2 * scale_px); }
 
-std::vector<PointView> ViewsOf(const Reconstruction& reconstruction,
-                               const ReconLandmark& landmark) {
-  std::vector<PointView> views;
-  views.reserve(landmark.observations.size());
+std::vector<PointObservation> PointObservationsOf(const Reconstruction& reconstruction,
+                                                  const ReconLandmark& landmark) {
+  std::vector<PointObservation> observations;
+  observations.reserve(landmark.observations.size());
   for (const ReconObservation& observation : landmark.observations) {
     const ReconImage& image = reconstruction.images[observation.image_idx];
     const Keypoint& keypoint = image.features.keypoints[observation.keypoint_idx];
-    views.push_back({&reconstruction.cameras[image.camera_idx], image.cam_from_world,
-                     Eigen::Vector2d(keypoint.x_px, keypoint.y_px),
-                     KeypointSigmaPx(keypoint.scale_px)});
+    observations.push_back({&reconstruction.cameras[image.camera_idx], image.cam_from_world,
+                            Eigen::Vector2d(keypoint.x_px, keypoint.y_px),
+                            KeypointSigmaPx(keypoint.scale_px)});
   }
-  return views;
+  return observations;
 }
 
-std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views) {
-  if (views.size() < 2) {
+std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointObservation> observations) {
+  if (observations.size() < 2) {
     return std::nullopt;
   }
-  const std::optional<Eigen::Vector3d> x_in_world = NearestToRays(views);
+  const std::optional<Eigen::Vector3d> x_in_world = NearestToRays(observations);
   if (!x_in_world) {
     return std::nullopt;
   }
   const auto minimum = MinimizeLeastSquares<3>(
-      *x_in_world, [&](const Eigen::Vector3d& x) { return Linearize(views, x, /*robust=*/true); },
+      *x_in_world,
+      [&](const Eigen::Vector3d& x) { return Linearize(observations, x, /*robust=*/true); },
       [](const Eigen::Vector3d& x, const Eigen::Vector3d& step) {
         return Eigen::Vector3d(x + step);
       },
@@ -110,19 +112,20 @@ std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views
 
 double PointUncertainty::Sigma() const { return std::sqrt(covariance.trace() / 3.0); }
 
-std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> views,
+std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointObservation> observations,
                                                     const Eigen::Vector3d& x_in_world) {
-  const auto equations = Linearize(views, x_in_world, /*robust=*/false);
-  if (views.size() < 2 || !equations || !IsSolvable(equations->normal)) {
+  const auto equations = Linearize(observations, x_in_world, /*robust=*/false);
+  if (observations.size() < 2 || !equations || !IsSolvable(equations->normal)) {
     return std::nullopt;
   }
-  const double degrees_of_freedom = 2.0 * views.size() - 3.0;
+  const double degrees_of_freedom = 2.0 * observations.size() - 3.0;
   const double disagreement = std::max(1.0, equations->cost / degrees_of_freedom);
 
   std::vector<double> errors_px;
-  for (const PointView& view : views) {
+  for (const PointObservation& observation : observations) {
     errors_px.push_back(
-        (*view.camera->Project(view.cam_from_world * x_in_world) - view.pixel).norm());
+        (*observation.camera->Project(observation.cam_from_world * x_in_world) - observation.pixel)
+            .norm());
   }
   return PointUncertainty{disagreement * equations->normal.inverse(), Median(std::move(errors_px))};
 }

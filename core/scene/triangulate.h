@@ -14,7 +14,7 @@
 namespace cairn {
 
 // One observation of a point. Does not own `camera`.
-struct PointView {
+struct PointObservation {
   const Camera* camera = nullptr;
   Rigid3d cam_from_world;
   Eigen::Vector2d pixel;
@@ -25,18 +25,19 @@ struct PointView {
 // growing with the scale of large ones.
 double KeypointSigmaPx(double scale_px);
 
-// The views of a landmark, in the order of its observations.
-std::vector<PointView> ViewsOf(const Reconstruction& reconstruction, const ReconLandmark& landmark);
+// The observations of a landmark, in the order of its observations.
+std::vector<PointObservation> PointObservationsOf(const Reconstruction& reconstruction,
+                                                  const ReconLandmark& landmark);
 
 // Minimizes the reprojection errors under Cauchy's loss by damped Gauss-Newton, starting at the
-// point nearest to all rays. Returns nothing if there are fewer than two views, if the rays are
-// parallel, or if the point ends up behind a camera or outside its field of view. Linear in the
-// number of views.
-std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointView> views);
+// point nearest to all rays. Returns nothing if there are fewer than two observations, if the rays
+// are parallel, or if the point ends up behind a camera or outside its field of view. Linear in the
+// number of observations.
+std::optional<Eigen::Vector3d> TriangulatePoint(std::span<const PointObservation> observations);
 
 struct PointUncertainty {
-  // Covariance of the position in squared world units, derived from the pixel sigmas of the views.
-  // It is scaled up if the observations disagree by more than their sigmas.
+  // Covariance of the position in squared world units, derived from the pixel sigmas of the
+  // observations. It is scaled up if the observations disagree by more than their sigmas.
   Eigen::Matrix3d covariance;
   double median_error_px = 0.0;  // Median of the reprojection errors.
 
@@ -44,8 +45,9 @@ struct PointUncertainty {
   double Sigma() const;
 };
 
-// Returns nothing if the point is not visible in a view or if the views do not determine the point.
-std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointView> views,
+// Returns nothing if the point is not visible in a observation or if the observations do not
+// determine the point.
+std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointObservation> observations,
                                                     const Eigen::Vector3d& x_in_world);
 
 }  // namespace cairn

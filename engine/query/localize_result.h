@@ -73,10 +73,6 @@ struct StageCounters {
   bool matching_cut_short = false;  // Some keypoints were not searched everywhere.
   bool pose_cut_short = false;      // Some candidates were not tried.
   bool refinement_cut_short = false;
-
-  bool is_cut_short() const {
-    return tiles_cut_short || matching_cut_short || pose_cut_short || refinement_cut_short;
-  }
 };
 
 // An inlier of the final pose.

@@ -46,7 +46,7 @@ std::vector<RankedKeyframe> CountVotes(const std::vector<TileView>& tiles,
     const LandmarkId id = tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx];
     size_t first = 0;  // Index of the tile's first keyframe.
     for (const TileView& view : tiles) {
-      for (const uint32_t keyframe_idx : view.tile->sightings().KeyframesThatSaw(id)) {
+      for (const uint32_t keyframe_idx : view.tile->landmark_keyframes().KeyframesThatSaw(id)) {
         int& voter = last_voter[first + keyframe_idx];
         counted[first + keyframe_idx].num_votes += voter != match.keypoint_idx;
         voter = match.keypoint_idx;
@@ -139,11 +139,11 @@ std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles
   std::vector<std::tuple<int, int, uint32_t>> shared;
   for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
     const TileCovisibility& tile = tiles[t].tile->covisibility();
-    const LandmarkSightings& sightings = tiles[t].tile->sightings();
+    const LandmarkKeyframes& landmark_keyframes = tiles[t].tile->landmark_keyframes();
     std::vector<int> num_shared(tile.num_keyframes(), 0);
     for (const uint32_t landmark_idx : own_landmarks) {
       const LandmarkId id = own_tile.landmarks().landmark_ids[landmark_idx];
-      for (const uint32_t keyframe_idx : sightings.KeyframesThatSaw(id)) {
+      for (const uint32_t keyframe_idx : landmark_keyframes.KeyframesThatSaw(id)) {
         ++num_shared[keyframe_idx];
       }
     }

@@ -29,7 +29,7 @@ struct RankedKeyframe {
 // keyframe's share of random votes here is its share of observations.
 //
 // Matches of a keypoint must be adjacent. Takes time linear in the number of matches times the
-// number of tiles, the sightings of their landmarks, and the number of keyframes.
+// number of tiles, the observations of their landmarks, and the number of keyframes.
 std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
                                           const std::vector<TileView>& tiles,
                                           const std::vector<Correspondence>& correspondences,
@@ -37,8 +37,8 @@ std::vector<RankedKeyframe> RankKeyframes(const QueryContext& query,
 
 // Returns the keyframe itself, then up to `num_neighbors` keyframes that share the most landmarks
 // with it, for re-matching. Searches among the keyframes within 50 m. Takes time linear in the
-// number of the keyframe's landmarks times the number of tiles, the sightings of these landmarks,
-// and the number of keyframes.
+// number of the keyframe's landmarks times the number of tiles, the observations of these
+// landmarks, and the number of keyframes.
 std::vector<KeyframeRef> KeyframeNeighborhood(const std::vector<TileView>& tiles,
                                               const KeyframeRef& keyframe, int num_neighbors);
 

@@ -67,7 +67,7 @@ class SearchableTile {
   // num_descriptors() x codebook().num_subspaces, in tile order.
   std::span<const uint8_t> codes() const { return content_.codes(); }
   // Needs both halves.
-  const LandmarkSightings& sightings() const { return content_.sightings(); }
+  const LandmarkKeyframes& landmark_keyframes() const { return content_.landmark_keyframes(); }
 
   // The accuracy of the sessions in the tile; empty if the map does not know it. Set before the
   // tile is shared.

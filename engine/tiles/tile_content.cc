@@ -19,7 +19,7 @@ TileContent::TileContent(Tile tile, std::span<const uint32_t> order)
       rest_(new Rest{{}, *tile_, tile_->codes}) {
   num_bytes_ =
       tile_->MemoryBytes() + matched_->places.MemoryBytes() +
-      LandmarkSightings::MemoryBytes(tile_->num_landmarks(), tile_->keyframe_landmarks.size());
+      LandmarkKeyframes::MemoryBytes(tile_->num_landmarks(), tile_->keyframe_landmarks.size());
   ready_matched_ = matched_.get();
   ready_rest_ = rest_.get();
 }
@@ -31,7 +31,7 @@ TileContent::TileContent(TilePayload payload, std::span<const uint32_t> order,
       num_bytes_(
           payload.LandmarkBytes() +
           payload.num_descriptors() * DescriptorPlaces::kBytesPerDescriptor +
-          LandmarkSightings::MemoryBytes(payload.num_landmarks(), payload.num_observations()) +
+          LandmarkKeyframes::MemoryBytes(payload.num_landmarks(), payload.num_observations()) +
           codes_.size() +
           std::max(payload.num_bytes(),
                    payload.CovisibilityBytes() + payload.codes().size() - codes_.size())),
@@ -77,11 +77,11 @@ const TileContent::Rest& TileContent::DecodeRest() const {
   });
 }
 
-const LandmarkSightings& TileContent::MakeSightings() const {
+const LandmarkKeyframes& TileContent::MakeLandmarkKeyframes() const {
   const TileLandmarks& of_landmarks = landmarks();
   const TileCovisibility& of_keyframes = covisibility();
-  return Complete(&sightings_, &ready_sightings_, [&] {
-    return std::make_unique<const LandmarkSightings>(of_landmarks, of_keyframes);
+  return Complete(&landmark_keyframes_, &ready_landmark_keyframes_, [&] {
+    return std::make_unique<const LandmarkKeyframes>(of_landmarks, of_keyframes);
   });
 }
 

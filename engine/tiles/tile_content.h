@@ -12,7 +12,7 @@
 
 #include "core/large_vector.h"
 #include "engine/tiles/descriptor_places.h"
-#include "engine/tiles/landmark_sightings.h"
+#include "engine/tiles/landmark_keyframes.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_payload.h"
 #include "storage/tile/tile_views.h"
@@ -21,8 +21,8 @@ namespace cairn {
 
 // Matching needs landmarks and places; covisibility and codes are for queries that matching leaves
 // in doubt. Each of these two halves is decoded once, by the first thread that requests it, while
-// other threads wait. The sightings are built from both halves in the same way. Safe to use from
-// any thread.
+// other threads wait. The lists of keyframes are built from both halves in the same way. Safe to
+// use from any thread.
 class TileContent {
  public:
   // `order` is the index's (MatchingIndex::order) and must outlive the object. The codes keep their
@@ -39,9 +39,10 @@ class TileContent {
   const TileCovisibility& covisibility() const { return rest().view; }
   // num_descriptors x code_size, in tile order.
   std::span<const uint8_t> codes() const { return rest().codes; }
-  const LandmarkSightings& sightings() const {
-    const LandmarkSightings* sightings = ready_sightings_.load(std::memory_order_acquire);
-    return sightings != nullptr ? *sightings : MakeSightings();
+  const LandmarkKeyframes& landmark_keyframes() const {
+    const LandmarkKeyframes* landmark_keyframes =
+        ready_landmark_keyframes_.load(std::memory_order_acquire);
+    return landmark_keyframes != nullptr ? *landmark_keyframes : MakeLandmarkKeyframes();
   }
 
   // Upper bound on the heap bytes, decoded or not.
@@ -71,7 +72,7 @@ class TileContent {
   }
   const Matched& DecodeMatched() const;
   const Rest& DecodeRest() const;
-  const LandmarkSightings& MakeSightings() const;
+  const LandmarkKeyframes& MakeLandmarkKeyframes() const;
   // Sets a part to the result of make(), unless another thread has set it.
   template <typename Part, typename Make>
   const Part& Complete(std::unique_ptr<const Part>* part, std::atomic<const Part*>* ready,
@@ -85,11 +86,11 @@ class TileContent {
   mutable std::optional<TilePayload> payload_;  // Set until all of it is decoded.
   mutable std::unique_ptr<const Matched> matched_;
   mutable std::unique_ptr<const Rest> rest_;
-  mutable std::unique_ptr<const LandmarkSightings> sightings_;
+  mutable std::unique_ptr<const LandmarkKeyframes> landmark_keyframes_;
   // Published once the parts above are built, for reading without the lock.
   mutable std::atomic<const Matched*> ready_matched_ = nullptr;
   mutable std::atomic<const Rest*> ready_rest_ = nullptr;
-  mutable std::atomic<const LandmarkSightings*> ready_sightings_ = nullptr;
+  mutable std::atomic<const LandmarkKeyframes*> ready_landmark_keyframes_ = nullptr;
 };
 
 }  // namespace cairn

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "cli/demo/street/reconstruct_known_poses.h"
 #include "core/parallel_for.h"
-#include "core/scene/reconstruct_known_poses.h"
 #include "ingest/ingest_session.h"
 #include "storage/map/map_store.h"
 

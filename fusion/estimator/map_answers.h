@@ -29,14 +29,14 @@ struct AlignmentCounts {
 // QuerySchedule decides when a frame is queried, and AnswerBox holds the answers until the next
 // frame. Before the alignment, answers wait until enough of them agree (AlignmentCandidates).
 // Afterwards, each answer updates the state (MatchUpdates) or contradicts it (Contradictions).
-// Until the answer to a query has been applied or given up, the sights of the queried frame stay
-// reserved in the TrackTable, and the frame's clone must stay in the state. Not thread-safe.
+// Until the answer to a query has been applied or given up, the observations of the queried frame
+// stay reserved in the TrackTable, and the frame's clone must stay in the state. Not thread-safe.
 class MapAnswers {
  public:
   explicit MapAnswers(const FusionOptions& options);
 
   // Returns a query of the newest clone of `state` if a query is due, and reserves the frame's
-  // sights.
+  // observations.
   std::optional<Query> Poll(const FilterState& state, TrackTable* tracks);
 
   bool has_room() const { return box_.has_room(); }

@@ -54,13 +54,13 @@ struct StatePoint {
   int anchor = 0;               // Clone whose IMU frame holds the chart.
   PointChart chart;             // Made for the point's first estimate.
   Eigen::Vector3d coordinates;  // Present estimate, in the chart.
-  bool contradicted = false;    // The newest sight contradicts the state.
+  bool contradicted = false;    // The newest observation contradicts the state.
 };
 
 // The position of a state point and its derivatives by the state. The derivatives are evaluated at
-// the point's first estimate, which moves with the anchor. If each sight had its own linearization
-// point, the sights together would seem to observe the scale of the motion, which no sight
-// observes.
+// the point's first estimate, which moves with the anchor. If each observation had its own
+// linearization point, the observations together would seem to observe the scale of the motion,
+// which no observation observes.
 struct LocatedPoint {
   Eigen::Vector3d x_in_local;
   Eigen::Vector3d first_x_in_local;

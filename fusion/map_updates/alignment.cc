@@ -21,8 +21,8 @@ Rigid3d Moved(const Rigid3d& global_from_local, const GlobalVector& error) {
   return global_from_local * Rigid3d(ExpSo3({error[4], error[5], error[3]}), error.head<3>());
 }
 
-// A linearized sight and the variance of its residual per axis: the unit noise plus the variance
-// that the errors of the clone and the tile add.
+// A linearized observation and the variance of its residual per axis: the unit noise plus the
+// variance that the errors of the clone and the tile add.
 struct WeighedRows {
   MapRows rows;
   double variance = 1.0;
@@ -31,14 +31,15 @@ struct WeighedRows {
 };
 
 // Returns the error that one Gauss-Newton step of the robust least squares finds.
-GlobalVector RobustStep(const std::vector<WeighedRows>& sights, double cauchy_scale, int num_dims) {
+GlobalVector RobustStep(const std::vector<WeighedRows>& observations, double cauchy_scale,
+                        int num_dims) {
   Eigen::Matrix<double, kGlobalDim, kGlobalDim> normal =
       Eigen::Matrix<double, kGlobalDim, kGlobalDim>::Zero();
   GlobalVector gradient = GlobalVector::Zero();
-  for (const WeighedRows& sight : sights) {
-    const MapRows& row = sight.rows;
-    const double weight =
-        1.0 / sight.variance / (1.0 + sight.SquaredResidual() / (cauchy_scale * cauchy_scale));
+  for (const WeighedRows& observation : observations) {
+    const MapRows& row = observation.rows;
+    const double weight = 1.0 / observation.variance /
+                          (1.0 + observation.SquaredResidual() / (cauchy_scale * cauchy_scale));
     normal.noalias() += weight * row.by_global.transpose() * row.by_global;
     gradient.noalias() += weight * row.by_global.transpose() * row.residual;
   }
@@ -50,16 +51,16 @@ GlobalVector RobustStep(const std::vector<WeighedRows>& sights, double cauchy_sc
 
 std::vector<WeighedRows> LinearizeAll(const Camera& camera, const FilterState& state,
                                       std::span<const CameraView> views,
-                                      std::span<const MapSight> sights,
+                                      std::span<const MapObservation> observations,
                                       const Rigid3d& global_from_local, double sigma_px) {
   std::vector<WeighedRows> weighed;
-  for (const MapSight& sight : sights) {
+  for (const MapObservation& observation : observations) {
     const auto rows =
-        LinearizeSight(camera, state.rig(), views, global_from_local, sight, sigma_px);
+        LinearizeObservation(camera, state.rig(), views, global_from_local, observation, sigma_px);
     if (!rows) {
       continue;
     }
-    const int clone = state.CloneIdx(sight.clone);
+    const int clone = state.CloneIdx(observation.clone);
     const Eigen::Matrix2d by_clone = rows->by_clone *
                                      state.covariance().block<kCloneDim, kCloneDim>(clone, clone) *
                                      rows->by_clone.transpose();
@@ -115,10 +116,10 @@ std::vector<int> LargestAgreeingSet(std::span<const Rigid3d> candidates,
   return best;
 }
 
-bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d& initial,
-           const MapUpdateOptions& map, FilterState* state) {
+bool Align(const Camera& camera, std::span<const MapObservation> observations,
+           const Rigid3d& initial, const MapUpdateOptions& map, FilterState* state) {
   constexpr int kMaxIterations = 15;
-  AddTiles(sights, state);
+  AddTiles(observations, state);
   const int num_dims = map.num_global_dims();
   const std::vector<CameraView> views = ViewsOfClones(*state);
   Rigid3d global_from_local = initial;
@@ -127,9 +128,9 @@ bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d
   for (int i = 0; i < kMaxIterations; ++i) {
     // These steps change yaw and translation only. The tilt needs its prior, which the final update
     // adds.
-    const GlobalVector error =
-        RobustStep(LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px),
-                   cauchy_scale, 4);
+    const GlobalVector error = RobustStep(
+        LinearizeAll(camera, *state, views, observations, global_from_local, map.sigma_px),
+        cauchy_scale, 4);
     if (!error.allFinite()) {
       return false;
     }
@@ -137,13 +138,13 @@ bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d
     cauchy_scale = std::max(2.4, 0.5 * cauchy_scale);
   }
   const std::vector<WeighedRows> all =
-      LinearizeAll(camera, *state, views, sights, global_from_local, map.sigma_px);
-  // All sights of an answer share part of the clones' errors, so the gate is doubled.
+      LinearizeAll(camera, *state, views, observations, global_from_local, map.sigma_px);
+  // All observations of an answer share part of the clones' errors, so the gate is doubled.
   const double gate = 2.0 * ChiSquareQuantile(2, kMatchGateQuantile);
   std::vector<MapRows> inliers;
-  for (const WeighedRows& sight : all) {
-    if (sight.SquaredResidual() < gate) {
-      inliers.push_back(sight.rows);
+  for (const WeighedRows& observation : all) {
+    if (observation.SquaredResidual() < gate) {
+      inliers.push_back(observation.rows);
     }
   }
   if (inliers.size() < static_cast<size_t>(kMinMapMatches) ||

@@ -34,8 +34,8 @@ std::vector<int> LargestAgreeingSet(std::span<const Rigid3d> candidates,
 // the clones held fixed. The inliers then enter `state` with exact covariance; they determine the
 // tilt, too, if the options have a tilt prior. Returns false and leaves `state` unchanged if fewer
 // than kMinMapMatches matches, or a smaller share of them than kMinMapInlierFraction, fit.
-bool Align(const Camera& camera, std::span<const MapSight> sights, const Rigid3d& initial,
-           const MapUpdateOptions& map, FilterState* state);
+bool Align(const Camera& camera, std::span<const MapObservation> observations,
+           const Rigid3d& initial, const MapUpdateOptions& map, FilterState* state);
 
 }  // namespace cairn::fusion
 

@@ -19,7 +19,8 @@ struct AlignmentCandidate {
 };
 
 // Holds the last five answers before the alignment. The caller keeps the clone of a candidate's
-// frame and reserves the frame's sights until Add or Release returns the frame. Not thread-safe.
+// frame and reserves the frame's observations until Add or Release returns the frame. Not
+// thread-safe.
 class AlignmentCandidates {
  public:
   bool empty() const { return candidates_.empty(); }

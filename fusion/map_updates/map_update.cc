@@ -24,7 +24,7 @@ constexpr double kResponseGateQuantile = 3.72;
 // applied, with its noise enlarged until it passes the gate.
 constexpr double kMaxExcess = 25.0;
 
-// The columns that all sights share.
+// The columns that all observations share.
 struct SharedColumns {
   std::vector<StateBlock> blocks;
   std::vector<uint64_t> tiles;  // In the order of their columns.
@@ -58,9 +58,9 @@ SharedColumns CollectShared(const std::vector<MapRows>& rows, int num_global_dim
   return shared;
 }
 
-// Sights at one clone observe global_from_local only together with the clone's pose. For every
-// landmark, by_global = by_clone * (the returned matrix). With p the clone's first position: a
-// shift rho acts as a shift of p; a turn of global_from_local about the axis e acts as a turn of
+// Observations at one clone observe global_from_local only together with the clone's pose. For
+// every landmark, by_global = by_clone * (the returned matrix). With p the clone's first position:
+// a shift rho acts as a shift of p; a turn of global_from_local about the axis e acts as a turn of
 // the clone about e together with a shift by e x p.
 Eigen::Matrix<double, kCloneDim, kGlobalDim> CloneByGlobal(const Clone& clone) {
   const Eigen::Matrix3d cross = Skew(clone.first_position_in_local);
@@ -82,8 +82,8 @@ Eigen::MatrixXd PlainCloneRows(const std::vector<const MapRows*>& rows, const Cl
   Eigen::Matrix<double, Eigen::Dynamic, kCloneDim + 1> stacked(
       2 * static_cast<Eigen::Index>(rows.size()), kCloneDim + 1);
   Eigen::Index row = 0;
-  for (const MapRows* sight : rows) {
-    stacked.middleRows<2>(row) << sight->by_clone, sight->residual;
+  for (const MapRows* observation : rows) {
+    stacked.middleRows<2>(row) << observation->by_clone, observation->residual;
     row += 2;
   }
   Triangularize(kCloneDim, stacked);
@@ -102,35 +102,35 @@ Eigen::MatrixXd CloneRows(const std::vector<const MapRows*>& rows, const SharedC
   Eigen::MatrixXd stacked =
       Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(rows.size()), width);
   Eigen::Index row = 0;
-  for (const MapRows* sight : rows) {
+  for (const MapRows* observation : rows) {
     auto target = stacked.middleRows<2>(row);
-    target.leftCols<kCloneDim>() = sight->by_clone;
+    target.leftCols<kCloneDim>() = observation->by_clone;
     target.middleCols(kCloneDim, shared.num_global_dims) =
-        sight->by_global.leftCols(shared.num_global_dims);
+        observation->by_global.leftCols(shared.num_global_dims);
     if (shared.tiles_begin > shared.rig_begin) {
-      target.middleCols<kRigDim>(kCloneDim + shared.rig_begin) = sight->by_rig;
+      target.middleCols<kRigDim>(kCloneDim + shared.rig_begin) = observation->by_rig;
     }
-    const auto tile = std::find(shared.tiles.begin(), shared.tiles.end(), sight->tile_id);
+    const auto tile = std::find(shared.tiles.begin(), shared.tiles.end(), observation->tile_id);
     if (tile != shared.tiles.end()) {
       const auto slot = static_cast<int>(tile - shared.tiles.begin());
       target.middleCols<kTileDim>(kCloneDim + shared.tiles_begin + kTileDim * slot) =
-          sight->by_tile;
+          observation->by_tile;
     }
-    target.col(width - 1) = sight->residual;
+    target.col(width - 1) = observation->residual;
     row += 2;
   }
   Triangularize(width - 1, stacked);
   return stacked.topRows(std::min<Eigen::Index>(stacked.rows(), width - 1));
 }
 
-// Squared Mahalanobis distances of the sights at one clone.
+// Squared Mahalanobis distances of the observations at one clone.
 class CloneGate {
  public:
   CloneGate(const FilterState& state, int clone)
       : tile_variance_(state.has_tiles() ? state.tile_sigma_m() * state.tile_sigma_m() : 0.0),
         estimates_rig_(state.estimates_rig()) {
-    // The sights see the errors of the clone and of global_from_local as one error. of_pose_ is the
-    // covariance of that combined error.
+    // The observations see the errors of the clone and of global_from_local as one error. of_pose_
+    // is the covariance of that combined error.
     const auto covariance = state.covariance();
     const int idx = state.CloneIdx(clone);
     const Eigen::Matrix<double, kCloneDim, kGlobalDim> by_global =
@@ -172,16 +172,16 @@ void Weigh(double weight, Measurement* measurement) {
   measurement->residual *= weight;
 }
 
-// Linearizes the used sights at `state`.
+// Linearizes the used observations at `state`.
 std::vector<MapRows> LinearizeUsed(const Camera& camera, const FilterState& state,
-                                   std::span<const MapSight> sights, const std::vector<bool>& used,
-                                   const MapUpdateOptions& options) {
+                                   std::span<const MapObservation> observations,
+                                   const std::vector<bool>& used, const MapUpdateOptions& options) {
   const std::vector<CameraView> views = ViewsOfClones(state);
   std::vector<MapRows> rows;
-  for (size_t i = 0; i < sights.size(); ++i) {
+  for (size_t i = 0; i < observations.size(); ++i) {
     const auto linearized =
-        used[i] ? LinearizeSight(camera, state.rig(), views, *state.global_from_local(), sights[i],
-                                 options.sigma_px)
+        used[i] ? LinearizeObservation(camera, state.rig(), views, *state.global_from_local(),
+                                       observations[i], options.sigma_px)
                 : std::nullopt;
     if (linearized) {
       rows.push_back(*linearized);
@@ -210,29 +210,30 @@ class CloneGates {
   std::vector<std::optional<CloneGate>> gates_;
 };
 
-// The sights that pass their gates. `result` has the counts and the used sights.
-struct GatedSights {
+// The observations that pass their gates. `result` has the counts and the used observations.
+struct GatedObservations {
   MapUpdateResult result;
   std::vector<MapRows> rows;
-  int num_seen = 0;  // Matches whose first sight was tried.
+  int num_seen = 0;  // Matches whose first observation was tried.
 };
 
-// The first sight of a match decides on the match; the others are tried only if it passes.
-GatedSights GateSights(const Camera& camera, std::span<const MapSight> sights,
-                       const MapUpdateOptions& options, const FilterState& state) {
+// The first observation of a match decides on the match; the others are tried only if it passes.
+GatedObservations GateObservations(const Camera& camera,
+                                   std::span<const MapObservation> observations,
+                                   const MapUpdateOptions& options, const FilterState& state) {
   const std::vector<CameraView> views = ViewsOfClones(state);
   CloneGates gates(state, ChiSquareQuantile(2, kMatchGateQuantile));
-  GatedSights gated;
-  gated.result.used_sights.assign(sights.size(), false);
-  gated.rows.reserve(sights.size());
+  GatedObservations gated;
+  gated.result.used_observations.assign(observations.size(), false);
+  gated.rows.reserve(observations.size());
   bool match_accepted = false;
-  for (size_t i = 0; i < sights.size(); ++i) {
-    const bool queried = i == 0 || sights[i].match != sights[i - 1].match;
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const bool queried = i == 0 || observations[i].match != observations[i - 1].match;
     if (!queried && !match_accepted) {
       continue;
     }
-    const auto linearized = LinearizeSight(camera, state.rig(), views, *state.global_from_local(),
-                                           sights[i], options.sigma_px);
+    const auto linearized = LinearizeObservation(
+        camera, state.rig(), views, *state.global_from_local(), observations[i], options.sigma_px);
     const bool accepted = linearized && gates.Passes(*linearized);
     if (queried) {
       ++gated.num_seen;
@@ -241,7 +242,7 @@ GatedSights GateSights(const Camera& camera, std::span<const MapSight> sights,
     }
     if (accepted) {
       gated.rows.push_back(*linearized);
-      gated.result.used_sights[i] = true;
+      gated.result.used_observations[i] = true;
     }
   }
   return gated;
@@ -254,40 +255,40 @@ void MapUpdateOptions::Validate() const {
   RequireOption(tilt_sigma_rad >= 0.0, "map.tilt_sigma_rad must not be negative");
 }
 
-std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
-                                      std::span<const CameraView> views,
-                                      const Rigid3d& global_from_local, const MapSight& sight,
-                                      double sigma_px) {
-  const CameraView& view = views[static_cast<size_t>(sight.clone)];
+std::optional<MapRows> LinearizeObservation(const Camera& camera, const Rig& rig,
+                                            std::span<const CameraView> views,
+                                            const Rigid3d& global_from_local,
+                                            const MapObservation& observation, double sigma_px) {
+  const CameraView& view = views[static_cast<size_t>(observation.clone)];
   const Eigen::Matrix3d local_from_global =
       global_from_local.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d x_in_local =
-      local_from_global * (sight.x_in_global - global_from_local.translation);
+      local_from_global * (observation.x_in_global - global_from_local.translation);
   const auto predicted = PredictPixel(camera, view, x_in_local);
   if (!predicted) {
     return std::nullopt;
   }
   // Noise of the pixel plus noise of the landmark: s^2 I + sigma^2 D D'.
-  Eigen::Matrix2d noise =
-      sight.sigma_m * sight.sigma_m * predicted->by_local * predicted->by_local.transpose();
+  Eigen::Matrix2d noise = observation.sigma_m * observation.sigma_m * predicted->by_local *
+                          predicted->by_local.transpose();
   noise.diagonal().array() += sigma_px * sigma_px;
   const Eigen::Matrix2d whitening =
       Eigen::LLT<Eigen::Matrix2d>(noise).matrixL().solve(Eigen::Matrix2d::Identity());
   MapRows rows;
-  rows.clone = sight.clone;
-  rows.tile_id = sight.tile_id;
+  rows.clone = observation.clone;
+  rows.tile_id = observation.tile_id;
   rows.by_clone = whitening * ByClone(*predicted, view, x_in_local);
   rows.by_global = whitening * ByGlobal(*predicted, x_in_local);
   rows.by_tile = whitening * predicted->by_local * local_from_global;
   rows.by_rig = whitening * ByRig(*predicted, rig);
-  rows.residual = whitening * (sight.pixel - predicted->pixel);
+  rows.residual = whitening * (observation.pixel - predicted->pixel);
   return rows;
 }
 
-void AddTiles(std::span<const MapSight> sights, FilterState* state) {
+void AddTiles(std::span<const MapObservation> observations, FilterState* state) {
   if (state->has_tiles()) {
-    for (const MapSight& sight : sights) {
-      state->TileIdx(sight.tile_id);
+    for (const MapObservation& observation : observations) {
+      state->TileIdx(observation.tile_id);
     }
   }
 }
@@ -345,15 +346,15 @@ Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dim
   return measurement;
 }
 
-MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> sights,
+MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapObservation> observations,
                               const MapUpdateOptions& options, FilterState* state) {
   const int num_dims = options.num_global_dims();
-  AddTiles(sights, state);
-  const GatedSights gated = GateSights(camera, sights, options, *state);
+  AddTiles(observations, state);
+  const GatedObservations gated = GateObservations(camera, observations, options, *state);
   MapUpdateResult result = gated.result;
   const auto refuse = [&result](MapUpdateStatus status) {
     result.status = status;
-    std::fill(result.used_sights.begin(), result.used_sights.end(), false);
+    std::fill(result.used_observations.begin(), result.used_observations.end(), false);
     return result;
   };
   if (result.num_matches < kMinMapInlierFraction * gated.num_seen) {
@@ -376,7 +377,7 @@ MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> si
       return measurement;
     }
     Measurement again = CompressMapRows(
-        LinearizeUsed(camera, at, sights, result.used_sights, options), num_dims, at);
+        LinearizeUsed(camera, at, observations, result.used_observations, options), num_dims, at);
     Weigh(weight, &again);
     return again;
   };

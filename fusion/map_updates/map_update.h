@@ -32,20 +32,21 @@ struct MapUpdateOptions {
 };
 
 // One observation of a map landmark at one clone.
-struct MapSight {
-  // Sights of one match share this number and are adjacent. The first of them is the queried sight.
+struct MapObservation {
+  // Observations of one match share this number and are adjacent. The first of them is the queried
+  // observation.
   int match = 0;
-  int clone = 0;  // The clone that took the sight.
+  int clone = 0;  // The clone that took the observation.
   Eigen::Vector2d pixel;
   Eigen::Vector3d x_in_global;
-  // Standard deviation of the landmark per axis. If M clones saw the landmark, each sight gets
-  // sqrt(M) times the map's value. Together the sights then say no more about the landmark than the
-  // map knows, and no dense covariance among them is needed.
+  // Standard deviation of the landmark per axis. If M clones saw the landmark, each observation
+  // gets sqrt(M) times the map's value. Together the observations then say no more about the
+  // landmark than the map knows, and no dense covariance among them is needed.
   double sigma_m = 0.0;
   uint64_t tile_id = 0;
 };
 
-// A linearized and whitened sight.
+// A linearized and whitened observation.
 struct MapRows {
   int clone = 0;
   uint64_t tile_id = 0;
@@ -57,10 +58,10 @@ struct MapRows {
 };
 
 // Returns nullopt if the landmark does not project into the image. `views[i]` belongs to clone i.
-std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
-                                      std::span<const CameraView> views,
-                                      const Rigid3d& global_from_local, const MapSight& sight,
-                                      double sigma_px);
+std::optional<MapRows> LinearizeObservation(const Camera& camera, const Rig& rig,
+                                            std::span<const CameraView> views,
+                                            const Rigid3d& global_from_local,
+                                            const MapObservation& observation, double sigma_px);
 
 // Combines all rows into one measurement with few rows. A row touches the six columns of its clone
 // and the columns that all clones share. Each clone's rows are therefore triangularized alone; the
@@ -70,8 +71,8 @@ std::optional<MapRows> LinearizeSight(const Camera& camera, const Rig& rig,
 Measurement CompressMapRows(const std::vector<MapRows>& rows, int num_global_dims,
                             const FilterState& state);
 
-// Makes room in `state` for the tiles of the sights, if `state` models tile offsets.
-void AddTiles(std::span<const MapSight> sights, FilterState* state);
+// Makes room in `state` for the tiles of the observations, if `state` models tile offsets.
+void AddTiles(std::span<const MapObservation> observations, FilterState* state);
 
 enum class MapUpdateStatus {
   kApplied,
@@ -81,14 +82,14 @@ enum class MapUpdateStatus {
 
 struct MapUpdateResult {
   MapUpdateStatus status = MapUpdateStatus::kApplied;
-  int num_matches = 0;            // Matches that were applied.
-  int num_gated = 0;              // Matches that their own gate rejected.
-  std::vector<bool> used_sights;  // One entry per sight; all false unless applied.
+  int num_matches = 0;                  // Matches that were applied.
+  int num_gated = 0;                    // Matches that their own gate rejected.
+  std::vector<bool> used_observations;  // One entry per observation; all false unless applied.
 };
 
 // Gates and applies the matches of one response. `state` must be aligned, and changes only if the
 // returned status is kApplied.
-MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapSight> sights,
+MapUpdateResult UpdateFromMap(const Camera& camera, std::span<const MapObservation> observations,
                               const MapUpdateOptions& options, FilterState* state);
 
 }  // namespace cairn::fusion

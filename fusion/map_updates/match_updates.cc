@@ -30,10 +30,11 @@ void MatchUpdates::ForgetUses(const FilterState& state) {
 MapUpdateResult MatchUpdates::Update(std::span<const MapMatch> matches, int64_t frame_id,
                                      FilterState* state, TrackTable* tracks) {
   ForgetUses(*state);
-  const LedgerSights sights = ledger_.SightsOf(matches, frame_id, *state, *tracks);
-  const MapUpdateResult result = UpdateFromMap(camera_, sights.sights, options_, state);
+  const LedgerObservations observations =
+      ledger_.ObservationsOf(matches, frame_id, *state, *tracks);
+  const MapUpdateResult result = UpdateFromMap(camera_, observations.observations, options_, state);
   if (result.status == MapUpdateStatus::kApplied) {
-    ledger_.TakeOut(sights, result.used_sights, *state, tracks);
+    ledger_.TakeOut(observations, result.used_observations, *state, tracks);
   }
   known_of_place_ = PlaceCovariance(*state);
   return result;
@@ -41,11 +42,13 @@ MapUpdateResult MatchUpdates::Update(std::span<const MapMatch> matches, int64_t 
 
 bool MatchUpdates::Align(std::span<const MapMatch> matches, int64_t frame_id,
                          const Rigid3d& initial, FilterState* state, TrackTable* tracks) {
-  const LedgerSights sights = ledger_.SightsOf(matches, frame_id, *state, *tracks);
-  if (!fusion::Align(camera_, sights.sights, initial, options_, state)) {
+  const LedgerObservations observations =
+      ledger_.ObservationsOf(matches, frame_id, *state, *tracks);
+  if (!fusion::Align(camera_, observations.observations, initial, options_, state)) {
     return false;
   }
-  ledger_.TakeOut(sights, std::vector<bool>(sights.sights.size(), true), *state, tracks);
+  ledger_.TakeOut(observations, std::vector<bool>(observations.observations.size(), true), *state,
+                  tracks);
   known_of_place_ = PlaceCovariance(*state);
   return true;
 }

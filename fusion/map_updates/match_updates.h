@@ -11,14 +11,14 @@
 #include "fusion/filter/filter_state.h"
 #include "fusion/map_updates/map_match.h"
 #include "fusion/map_updates/map_update.h"
-#include "fusion/map_updates/sight_ledger.h"
+#include "fusion/map_updates/observation_ledger.h"
 #include "fusion/tracks/track_table.h"
 
 namespace cairn::fusion {
 
-// Runs UpdateFromMap and Align on the sights that a SightLedger gives for matches. Both calls
-// remove the sights that they use from `tracks`. `frame_id` is the queried frame; it must have a
-// clone in `state`. Not thread-safe.
+// Runs UpdateFromMap and Align on the observations that an ObservationLedger gives for matches.
+// Both calls remove the observations that they use from `tracks`. `frame_id` is the queried frame;
+// it must have a clone in `state`. Not thread-safe.
 class MatchUpdates {
  public:
   MatchUpdates(const Camera& camera, const MapUpdateOptions& options);
@@ -43,7 +43,7 @@ class MatchUpdates {
 
   Camera camera_;
   MapUpdateOptions options_;
-  SightLedger ledger_;
+  ObservationLedger ledger_;
   Eigen::Matrix4d known_of_place_ = Eigen::Matrix4d::Zero();  // Covariance after the last answer.
 };
 

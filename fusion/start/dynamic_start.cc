@@ -36,20 +36,20 @@ std::vector<Rigid3d> Preintegrate(const DynamicStartInput& input,
   return poses;
 }
 
-// The sights that a track has in the frames of the window, each with the index of its frame.
-std::vector<std::pair<size_t, const Observation*>> SightsInWindow(const DynamicStartInput& input,
-                                                                  const Track& track) {
-  std::vector<std::pair<size_t, const Observation*>> sights;
+// The observations that a track has in the frames of the window, each with the index of its frame.
+std::vector<std::pair<size_t, const Observation*>> ObservationsInWindow(
+    const DynamicStartInput& input, const Track& track) {
+  std::vector<std::pair<size_t, const Observation*>> observations;
   size_t frame = 0;
   for (const Observation& observation : track.observations) {
     while (frame < input.frames.size() && input.frames[frame].frame_id < observation.frame_id) {
       ++frame;
     }
     if (frame < input.frames.size() && input.frames[frame].frame_id == observation.frame_id) {
-      sights.emplace_back(frame, &observation);
+      observations.emplace_back(frame, &observation);
     }
   }
-  return sights;
+  return observations;
 }
 
 // Returns the g of magnitude `gravity_m_s2` that minimizes g' S g / 2 - s' g, by solving (S +
@@ -89,14 +89,14 @@ LinearSystem RaysMeet(const DynamicStartInput& input, const Eigen::Vector3d& gyr
   const Rigid3d imu_from_cam = input.rig.cam_from_imu.Inverse();
   LinearSystem system;
   for (const Track& track : input.tracks.tracks()) {
-    const auto sights = SightsInWindow(input, track);
-    if (sights.size() < 3) {
+    const auto observations = ObservationsInWindow(input, track);
+    if (observations.size() < 3) {
       continue;
     }
     // Columns: point, velocity, gravity, right side.
-    Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(sights.size()), 10);
+    Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(observations.size()), 10);
     Eigen::Index row = 0;
-    for (const auto& [frame, observation] : sights) {
+    for (const auto& [frame, observation] : observations) {
       const Rigid3d first_from_cam = poses[frame] * imu_from_cam;
       const Eigen::Vector3d ray = first_from_cam.rotation * observation->ray_in_cam;
       const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
@@ -186,13 +186,13 @@ std::vector<TrackRows> UsableTracks(const DynamicStartInput& input, const Filter
   std::vector<TrackRows> usable;
   *num_tried = 0;
   for (const Track& track : input.tracks.tracks()) {
-    std::vector<Observation> sights;
-    for (const auto& [frame, observation] : SightsInWindow(input, track)) {
-      sights.push_back(*observation);
+    std::vector<Observation> observations;
+    for (const auto& [frame, observation] : ObservationsInWindow(input, track)) {
+      observations.push_back(*observation);
     }
-    auto rows = static_cast<int>(sights.size()) < kMinTrackViews
+    auto rows = static_cast<int>(observations.size()) < kMinTrackViews
                     ? std::nullopt
-                    : LinearizeTrack(state, input.camera, views, sights, input.track_options);
+                    : LinearizeTrack(state, input.camera, views, observations, input.track_options);
     if (!rows) {
       continue;
     }

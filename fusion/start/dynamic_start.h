@@ -37,7 +37,7 @@ struct StartFrame {
 };
 
 // The inputs of the start. `frames` are in order of time, and `imu` covers them. `tracks` holds the
-// sights of these frames.
+// observations of these frames.
 struct DynamicStartInput {
   const ImuBuffer& imu;
   const TrackTable& tracks;

@@ -53,8 +53,8 @@ std::optional<StartState> StaticStart(const ImuBuffer& buffer, int64_t begin_ns,
                                       const ImuNoise& noise, double gravity_m_s2,
                                       const StandstillOptions& options);
 
-// Returns the median distance in pixels between the two sights of each track that both frames saw,
-// or nullopt if there are fewer than 10 such tracks.
+// Returns the median distance in pixels between the two observations of each track that both frames
+// saw, or nullopt if there are fewer than 10 such tracks.
 std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a, int64_t frame_b);
 
 // Returns the measurement "the velocity is zero and the pose equals that of clone `anchor`".

@@ -28,7 +28,7 @@ class StandstillUpdates {
 
   // Updates `state` if the device is at rest at the newest clone. The device is at rest if the
   // readings of the last options.window_s are quiet, the tracks have not moved since it came to
-  // rest, and the state does not contradict this. `tracks` must have the sights of the newest
+  // rest, and the state does not contradict this. `tracks` must have the observations of the newest
   // clone.
   StandstillUpdate Update(const ImuBuffer& imu, const TrackTable& tracks, FilterState* state);
 

@@ -24,12 +24,12 @@ std::vector<FinishedTrack> TakeFinishedTracks(std::span<const Clone> clones, int
     if (goes_on && std::none_of(track.observations.begin(), track.observations.end(), leaves)) {
       continue;
     }
-    std::vector<Observation> sights;
-    std::copy_if(track.observations.begin(), track.observations.end(), std::back_inserter(sights),
-                 is_due);
-    if (static_cast<int>(sights.size()) >= min_views) {
+    std::vector<Observation> observations;
+    std::copy_if(track.observations.begin(), track.observations.end(),
+                 std::back_inserter(observations), is_due);
+    if (static_cast<int>(observations.size()) >= min_views) {
       std::erase_if(track.observations, is_due);
-      finished.push_back({track.track_id, goes_on, std::move(sights),
+      finished.push_back({track.track_id, goes_on, std::move(observations),
                           std::exchange(track.map_distance, std::nullopt)});
     }
   }

@@ -10,10 +10,13 @@
 namespace cairn::fusion {
 namespace {
 
-// Linearizes one sight as two rows. Returns nullopt if the point does not project into the image.
-std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const Camera& camera,
-                                                 std::span<const CameraView> views, int slot,
-                                                 const Observation& observation, double sigma_px) {
+// Linearizes one observation as two rows. Returns nullopt if the point does not project into the
+// image.
+std::optional<Measurement> LinearizeObservationOfPoint(const FilterState& state,
+                                                       const Camera& camera,
+                                                       std::span<const CameraView> views, int slot,
+                                                       const Observation& observation,
+                                                       double sigma_px) {
   const StatePoint& point = *state.points()[static_cast<size_t>(slot)];
   const int clone = FindClone(state, observation.frame_id);
   if (clone < 0) {
@@ -45,16 +48,16 @@ std::optional<Measurement> LinearizeSightOfPoint(const FilterState& state, const
   return measurement;
 }
 
-// Removes the unreserved sights from a track and returns them.
-std::vector<Observation> TakeFreeSights(Track* track) {
-  std::vector<Observation> sights;
-  std::erase_if(track->observations, [&sights](const Observation& observation) {
+// Removes the unreserved observations from a track and returns them.
+std::vector<Observation> TakeFreeObservations(Track* track) {
+  std::vector<Observation> observations;
+  std::erase_if(track->observations, [&observations](const Observation& observation) {
     if (!observation.reserved) {
-      sights.push_back(observation);
+      observations.push_back(observation);
     }
     return !observation.reserved;
   });
-  return sights;
+  return observations;
 }
 
 }  // namespace
@@ -74,9 +77,10 @@ PointUpdateCounts UpdateFromPoints(const Camera& camera, int64_t frame_id,
       state->RemovePoint(slot);
       continue;
     }
-    for (const Observation& sight : point ? TakeFreeSights(track) : std::vector<Observation>()) {
+    for (const Observation& observation :
+         point ? TakeFreeObservations(track) : std::vector<Observation>()) {
       auto measurement =
-          LinearizeSightOfPoint(*state, camera, views, slot, sight, options.sigma_px);
+          LinearizeObservationOfPoint(*state, camera, views, slot, observation, options.sigma_px);
       const bool fits = measurement && state->SquaredMahalanobis(*measurement) < gate;
       if (fits) {
         accepted.push_back(std::move(*measurement));

@@ -1,7 +1,7 @@
 // Bounds the distance moved by a camera that turns in place.
 //
-// If the sights of a point differ by a rotation alone, the point has no depth, so tracks do not
-// help. The position would then come from the IMU alone and drift by meters within seconds. But
+// If the observations of a point differ by a rotation alone, the point has no depth, so tracks do
+// not help. The position would then come from the IMU alone and drift by meters within seconds. But
 // unless everything in view is far away, a device whose images show only rotation has moved little.
 #ifndef CAIRN_FUSION_TRACKS_ROTATION_ONLY_H_
 #define CAIRN_FUSION_TRACKS_ROTATION_ONLY_H_
@@ -15,9 +15,9 @@
 
 namespace cairn::fusion {
 
-// For each track that both clones see, turns the sight at `from` into the orientation of `to` and
-// takes its distance in pixels to the sight at `to`. Returns the median of these distances, or
-// nullopt if there are fewer than 15 such tracks.
+// For each track that both clones see, turns the observation at `from` into the orientation of `to`
+// and takes its distance in pixels to the observation at `to`. Returns the median of these
+// distances, or nullopt if there are fewer than 15 such tracks.
 std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& camera,
                                        const TrackTable& tracks, int from, int to);
 

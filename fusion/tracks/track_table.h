@@ -1,4 +1,4 @@
-// Keeps the sights that no update has used yet, so that no measurement is counted twice.
+// Keeps the observations that no update has used yet, so that no measurement is counted twice.
 #ifndef CAIRN_FUSION_TRACKS_TRACK_TABLE_H_
 #define CAIRN_FUSION_TRACKS_TRACK_TABLE_H_
 
@@ -17,18 +17,20 @@ namespace cairn::fusion {
 // Most features that the filter tracks at a time.
 inline constexpr int kMaxTrackedFeatures = 1024;
 
-// A sight that no update has used. The update that uses a sight must remove it from the table.
+// An observation that no update has used. The update that uses an observation must remove it from
+// the table.
 struct Observation {
   int64_t frame_id = 0;
   Eigen::Vector2d pixel;
   Eigen::Vector3d ray_in_cam;
-  // Reserved for the answer to a query. Local updates must not use this sight until the answer is
-  // there.
+  // Reserved for the answer to a query. Local updates must not use this observation until the
+  // answer is there.
   bool reserved = false;
 };
 
-// The map's knowledge of a point along the ray of a queried sight, beyond what that sight has
-// already told: direction_in_global' (x_in_global - point) = 0 with standard deviation sigma_m.
+// The map's knowledge of a point along the ray of a queried observation, beyond what that
+// observation has already told: direction_in_global' (x_in_global - point) = 0 with standard
+// deviation sigma_m.
 struct MapDistance {
   Eigen::Vector3d x_in_global;          // The landmark.
   Eigen::Vector3d direction_in_global;  // Unit vector from the camera to the landmark.
@@ -59,13 +61,13 @@ class TrackTable {
   Track* Find(uint64_t track_id);
   const Track* Find(uint64_t track_id) const;
 
-  // Marks every sight of a frame as reserved or unreserved.
+  // Marks every observation of a frame as reserved or unreserved.
   void SetReserved(int64_t frame_id, bool reserved);
 
-  // Removes all sights of a frame.
+  // Removes all observations of a frame.
   void DropFrame(int64_t frame_id);
 
-  // Removes the tracks that `frame_id` did not see and that have no reserved sights.
+  // Removes the tracks that `frame_id` did not see and that have no reserved observations.
   void DropFinished(int64_t frame_id);
 
   void Clear();
@@ -74,7 +76,7 @@ class TrackTable {
   void RebuildIndex();
 
   size_t max_tracks_;
-  std::vector<Track> tracks_;  // Ordered by first sight.
+  std::vector<Track> tracks_;  // Ordered by first observation.
   std::unordered_map<uint64_t, size_t> index_;
 };
 

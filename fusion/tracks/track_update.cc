@@ -97,13 +97,13 @@ void WriteDistanceRow(const DistanceRow& distance, const Eigen::Vector3d& x_in_l
 // (docs/math/fusion.md).
 constexpr double kMaxRelativePointSigma = 0.06;
 
-// Returns true if the baseline between the first and the last sight is known well enough to
+// Returns true if the baseline between the first and the last observation is known well enough to
 // triangulate on. If the baseline is a guess, the triangulated point is a guess, too. Without this
 // limit, a device that only turned, but whose IMU suggested motion, became too sure of that motion.
-bool HasBaseline(const FilterState& state, std::span<const Observation> sights) {
+bool HasBaseline(const FilterState& state, std::span<const Observation> observations) {
   constexpr double kMaxRelativeSigma = 0.5;  // Relative to the baseline.
-  const int first = FindClone(state, sights.front().frame_id);
-  const int last = FindClone(state, sights.back().frame_id);
+  const int first = FindClone(state, observations.front().frame_id);
+  const int last = FindClone(state, observations.back().frame_id);
   const double length_m = (state.clones()[static_cast<size_t>(last)].local_from_imu.translation -
                            state.clones()[static_cast<size_t>(first)].local_from_imu.translation)
                               .norm();
@@ -127,7 +127,7 @@ bool PixelsTellDistance(const PointRows& point, const FilterState& state) {
 }
 
 // Returns true if the state knows the distance of the point well enough, including the errors of
-// the poses. Future sights are then nearly linear in the point.
+// the poses. Future observations are then nearly linear in the point.
 bool IsDistanceKnown(const FilterState& state, int slot) {
   const int idx = state.PointIdx(slot) + 2;
   const double inverse_distance = state.points()[static_cast<size_t>(slot)]->coordinates.z();
@@ -149,8 +149,8 @@ void EnterPoints(const Camera& camera, const std::vector<const FinishedTrack*>& 
     if (slot == num_slots) {
       return;
     }
-    const auto rows = track->goes_on ? LinearizeTrack(*state, camera, views, track->sights, options,
-                                                      track->map_distance)
+    const auto rows = track->goes_on ? LinearizeTrack(*state, camera, views, track->observations,
+                                                      options, track->map_distance)
                                      : std::nullopt;
     if (rows && PixelsTellDistance(rows->point, *state) &&
         state->EnterPoint(slot, track->track_id, rows->point) && !IsDistanceKnown(*state, slot)) {
@@ -191,41 +191,41 @@ std::optional<TrackRows> LinearizeTrack(const FilterState& state, const Camera& 
                                         std::span<const Observation> observations,
                                         const TrackUpdateOptions& options,
                                         const std::optional<MapDistance>& map_distance) {
-  std::vector<Sight> sights;
+  std::vector<PosedObservation> posed;
   std::vector<StateBlock> blocks;
   for (const Observation& observation : observations) {
     const int clone = FindClone(state, observation.frame_id);
-    CAIRN_CHECK(clone >= 0, "sights are at clones");
-    sights.push_back(
+    CAIRN_CHECK(clone >= 0, "observations are at clones");
+    posed.push_back(
         {&views[static_cast<size_t>(clone)], observation.pixel, observation.ray_in_cam});
     blocks.push_back({state.CloneIdx(clone), kCloneDim});
   }
   const std::optional<DistanceRow> distance = MakeDistanceRow(state, map_distance);
-  const auto x_in_local = Triangulate(camera, sights, options.sigma_px, options.triangulate,
+  const auto x_in_local = Triangulate(camera, posed, options.sigma_px, options.triangulate,
                                       distance ? std::optional(distance->prior) : std::nullopt);
   if (!x_in_local) {
     return std::nullopt;
   }
   // Columns: the point, the clones in turn, the rig, the blocks of the distance, the residual.
-  const int num_views = static_cast<int>(sights.size());
+  const int num_views = static_cast<int>(posed.size());
   const int rig_begin = 3 + kCloneDim * num_views;
   const int distance_begin = rig_begin + (state.estimates_rig() ? kRigDim : 0);
   const int width = distance_begin + (distance ? distance->num_dims : 0);
   const int num_rows = 2 * num_views + (distance ? 1 : 0);
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(num_rows, width + 1);
   for (int i = 0; i < num_views; ++i) {
-    const Sight& sight = sights[static_cast<size_t>(i)];
-    const auto predicted = PredictPixel(camera, *sight.view, *x_in_local);
+    const PosedObservation& observation = posed[static_cast<size_t>(i)];
+    const auto predicted = PredictPixel(camera, *observation.view, *x_in_local);
     if (!predicted) {
       return std::nullopt;
     }
     rows.block<2, 3>(2 * i, 0) = predicted->by_local;
     rows.block<2, kCloneDim>(2 * i, 3 + kCloneDim * i) =
-        ByClone(*predicted, *sight.view, *x_in_local);
+        ByClone(*predicted, *observation.view, *x_in_local);
     if (state.estimates_rig()) {
       rows.block<2, kRigDim>(2 * i, rig_begin) = ByRig(*predicted, state.rig());
     }
-    rows.block<2, 1>(2 * i, width) = sight.pixel - predicted->pixel;
+    rows.block<2, 1>(2 * i, width) = observation.pixel - predicted->pixel;
   }
   rows.topRows(2 * num_views) /= options.sigma_px;
   if (state.estimates_rig()) {
@@ -267,12 +267,13 @@ Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tra
 
 TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTrack> tracks,
                                    const TrackUpdateOptions& options, FilterState* state) {
-  std::stable_sort(tracks.begin(), tracks.end(),
-                   [](const auto& a, const auto& b) { return a.sights.size() > b.sights.size(); });
+  std::stable_sort(tracks.begin(), tracks.end(), [](const auto& a, const auto& b) {
+    return a.observations.size() > b.observations.size();
+  });
   TrackUpdateCounts counts;
   const std::vector<CameraView> views = ViewsOfClones(*state);
   const auto linearize_here = [&](const FinishedTrack& track) {
-    return LinearizeTrack(*state, camera, views, track.sights, options, track.map_distance);
+    return LinearizeTrack(*state, camera, views, track.observations, options, track.map_distance);
   };
   const auto passes = [&](const TrackRows& rows) {
     return state->SquaredMahalanobis(rows.clones) <
@@ -284,11 +285,11 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
     if (static_cast<int>(accepted.size()) == options.max_tracks) {
       break;
     }
-    const bool has_baseline = HasBaseline(*state, track.sights);
+    const bool has_baseline = HasBaseline(*state, track.observations);
     auto rows = has_baseline ? linearize_here(track) : std::nullopt;
     bool fits = rows && passes(*rows);
     if (!fits && has_baseline && track.map_distance) {
-      track.map_distance.reset();  // The map may be wrong although the sights are right.
+      track.map_distance.reset();  // The map may be wrong although the observations are right.
       rows = linearize_here(track);
       fits = rows && passes(*rows);
     }
@@ -311,7 +312,7 @@ TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTra
       accepted.clear();
       const std::vector<CameraView> moved_views = ViewsOfClones(at);
       for (const FinishedTrack* track : accepted_tracks) {
-        if (auto rows = LinearizeTrack(at, camera, moved_views, track->sights, options,
+        if (auto rows = LinearizeTrack(at, camera, moved_views, track->observations, options,
                                        track->map_distance)) {
           accepted.push_back(std::move(*rows));
         }

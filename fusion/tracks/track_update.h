@@ -15,7 +15,7 @@
 
 namespace cairn::fusion {
 
-// Fewest sights of a track. Two views give one equation, which outliers satisfy easily.
+// Fewest observations of a track. Two views give one equation, which outliers satisfy easily.
 inline constexpr int kMinTrackViews = 3;
 // Gate on each track, given as a quantile of the standard normal distribution; passes 95 % of the
 // true tracks.
@@ -37,16 +37,16 @@ struct TrackUpdateCounts {
   int num_gated = 0;  // Triangulated, but contradicting the state.
 };
 
-// A track whose sights the next update uses.
+// A track whose observations the next update uses.
 struct FinishedTrack {
   uint64_t track_id = 0;
   bool goes_on = false;  // Still in view, so its point may enter the state.
-  std::vector<Observation> sights;
+  std::vector<Observation> observations;
   std::optional<MapDistance> map_distance;
 };
 
-// The linearized rows of a track with M sights: 2 M rows, plus one if the map knows the distance.
-// An orthogonal transformation confines the point to the first three rows.
+// The linearized rows of a track with M observations: 2 M rows, plus one if the map knows the
+// distance. An orthogonal transformation confines the point to the first three rows.
 struct TrackRows {
   Measurement clones;  // 2 M - 3 rows, or one more, without the point.
   PointRows point;
@@ -63,8 +63,8 @@ std::optional<TrackRows> LinearizeTrack(
 // Stacks the rows of all tracks, without their points, and compresses the result.
 Measurement StackTracks(const FilterState& state, std::span<const TrackRows> tracks);
 
-// Updates `state` with the given tracks, whose sights are all at clones of `state`. If slots are
-// free, the points of tracks that go on enter the state, longest tracks first.
+// Updates `state` with the given tracks, whose observations are all at clones of `state`. If slots
+// are free, the points of tracks that go on enter the state, longest tracks first.
 TrackUpdateCounts UpdateFromTracks(const Camera& camera, std::vector<FinishedTrack> tracks,
                                    const TrackUpdateOptions& options, FilterState* state);
 

@@ -18,22 +18,22 @@ namespace {
 constexpr double kMaxRelativeDepthSigma = 0.12;
 constexpr int kMaxSteps = 5;
 
-// Returns the inverse depth, along the last sight's ray, of the point that the other views see
-// nearest to their own rays. Let d be that ray and t the last view's center, both in the frame of
-// another camera that sees the direction u. The point is along d + c t there, and u x (d + c t) = 0
-// is linear in c. (The point nearest to all rays in space is not used: for almost parallel rays it
-// is close to the cameras, and the iterations do not recover from there.)
-std::optional<double> InitialInverseDepth(std::span<const Sight> sights) {
-  const Sight& last = sights.back();
+// Returns the inverse depth, along the last observation's ray, of the point that the other views
+// see nearest to their own rays. Let d be that ray and t the last view's center, both in the frame
+// of another camera that sees the direction u. The point is along d + c t there, and u x (d + c t)
+// = 0 is linear in c. (The point nearest to all rays in space is not used: for almost parallel rays
+// it is close to the cameras, and the iterations do not recover from there.)
+std::optional<double> InitialInverseDepth(std::span<const PosedObservation> observations) {
+  const PosedObservation& last = observations.back();
   const Eigen::Vector3d ray =
       last.view->cam_from_local_rotation.transpose() * (last.ray_in_cam / last.ray_in_cam.z());
   double product = 0.0;
   double sq_norm = 0.0;
-  for (const Sight& sight : sights.first(sights.size() - 1)) {
-    const Eigen::Vector3d d = sight.view->cam_from_local_rotation * ray;
-    const Eigen::Vector3d t = sight.view->ToCam(last.view->center_in_local);
-    const Eigen::Vector3d across = sight.ray_in_cam.cross(t);
-    product -= across.dot(sight.ray_in_cam.cross(d));
+  for (const PosedObservation& observation : observations.first(observations.size() - 1)) {
+    const Eigen::Vector3d d = observation.view->cam_from_local_rotation * ray;
+    const Eigen::Vector3d t = observation.view->ToCam(last.view->center_in_local);
+    const Eigen::Vector3d across = observation.ray_in_cam.cross(t);
+    product -= across.dot(observation.ray_in_cam.cross(d));
     sq_norm += across.squaredNorm();
   }
   return sq_norm > 0.0 ? std::optional(product / sq_norm) : std::nullopt;
@@ -64,7 +64,8 @@ class InverseDepth {
 
 // Residuals are in pixels. The prior is weighted to match: its sigma_m counts as much as
 // `sigma_px`.
-std::optional<NormalSystem<3>> Linearize(const Camera& camera, std::span<const Sight> sights,
+std::optional<NormalSystem<3>> Linearize(const Camera& camera,
+                                         std::span<const PosedObservation> observations,
                                          double sigma_px, const std::optional<PlanePrior>& prior,
                                          const InverseDepth& point) {
   if (!(point.inverse_depth() > 0.0)) {
@@ -73,12 +74,12 @@ std::optional<NormalSystem<3>> Linearize(const Camera& camera, std::span<const S
   NormalSystem<3> equations;
   const Eigen::Vector3d x_in_local = point.Point();
   const Eigen::Matrix3d by_params = point.Jacobian();
-  for (const Sight& sight : sights) {
-    const auto predicted = PredictPixel(camera, *sight.view, x_in_local);
+  for (const PosedObservation& observation : observations) {
+    const auto predicted = PredictPixel(camera, *observation.view, x_in_local);
     if (!predicted) {
       return std::nullopt;
     }
-    const Eigen::Vector2d residual = predicted->pixel - sight.pixel;
+    const Eigen::Vector2d residual = predicted->pixel - observation.pixel;
     const Eigen::Matrix<double, 2, 3> jacobian = predicted->by_local * by_params;
     equations.normal.noalias() += jacobian.transpose() * jacobian;
     equations.gradient.noalias() += jacobian.transpose() * residual;
@@ -95,12 +96,12 @@ std::optional<NormalSystem<3>> Linearize(const Camera& camera, std::span<const S
   return equations;
 }
 
-bool WithinLimits(std::span<const Sight> sights, const InverseDepth& point,
+bool WithinLimits(std::span<const PosedObservation> observations, const InverseDepth& point,
                   const NormalSystem<3>& equations, double sigma_px,
                   const TriangulateOptions& options) {
   const Eigen::Vector3d x_in_local = point.Point();
-  for (const Sight& sight : sights) {
-    const double depth_m = sight.view->ToCam(x_in_local).z();
+  for (const PosedObservation& observation : observations) {
+    const double depth_m = observation.view->ToCam(x_in_local).z();
     if (!(depth_m > options.min_depth_m && depth_m < options.max_depth_m)) {
       return false;
     }
@@ -118,32 +119,35 @@ void TriangulateOptions::Validate() const {
   RequireOption(max_depth_m > min_depth_m, "triangulate.max_depth_m must be more than min_depth_m");
 }
 
-std::optional<Eigen::Vector3d> Triangulate(const Camera& camera, std::span<const Sight> sights,
+std::optional<Eigen::Vector3d> Triangulate(const Camera& camera,
+                                           std::span<const PosedObservation> observations,
                                            double sigma_px, const TriangulateOptions& options,
                                            const std::optional<PlanePrior>& prior) {
-  if (sights.size() < 2) {
+  if (observations.size() < 2) {
     return std::nullopt;
   }
   const auto inverse_depth =
-      prior ? std::optional(1.0 / sights.back().view->ToCam(prior->x_in_local).z())
-            : InitialInverseDepth(sights);
+      prior ? std::optional(1.0 / observations.back().view->ToCam(prior->x_in_local).z())
+            : InitialInverseDepth(observations);
   if (!inverse_depth) {
     return std::nullopt;
   }
-  const Sight& last = sights.back();
+  const PosedObservation& last = observations.back();
   Eigen::Vector3d params;
   params << last.ray_in_cam.hnormalized(),
       std::clamp(*inverse_depth, 1.0 / options.max_depth_m, 1.0 / options.min_depth_m);
   const auto minimum = MinimizeLeastSquares<3>(
       InverseDepth(*last.view, params),
-      [&](const InverseDepth& point) { return Linearize(camera, sights, sigma_px, prior, point); },
+      [&](const InverseDepth& point) {
+        return Linearize(camera, observations, sigma_px, prior, point);
+      },
       [](const InverseDepth& point, const Eigen::Vector3d& step) { return point.Moved(step); },
       {.max_steps = kMaxSteps,
        .initial_damping = 1e-6,
        .min_damping_after_failure = 1e-4,
        .min_predicted_decrease = 1e-4});
   if (!minimum || !minimum->has_converged ||
-      !WithinLimits(sights, minimum->state, minimum->system, sigma_px, options)) {
+      !WithinLimits(observations, minimum->state, minimum->system, sigma_px, options)) {
     return std::nullopt;
   }
   return minimum->state.Point();

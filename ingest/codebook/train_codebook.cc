@@ -158,16 +158,17 @@ Eigen::MatrixXd WithinLandmarkCovariance(const Reconstruction& reconstruction,
   double num_differences = 0.0;
   int num_left = max_count;
   for (const ReconLandmark& landmark : reconstruction.landmarks) {
-    const auto num_looks = static_cast<int>(landmark.observations.size());
-    if (num_looks < 2 || num_looks > num_left) {
+    const auto num_observations = static_cast<int>(landmark.observations.size());
+    if (num_observations < 2 || num_observations > num_left) {
       continue;
     }
-    num_left -= num_looks;
-    DescriptorMatrix looks = DescriptorsOf(reconstruction, landmark.observations);
-    NormalizeDescriptors(normalization, &looks);
-    const Eigen::MatrixXd centered = (looks.rowwise() - looks.colwise().mean()).cast<double>();
+    num_left -= num_observations;
+    DescriptorMatrix descriptors = DescriptorsOf(reconstruction, landmark.observations);
+    NormalizeDescriptors(normalization, &descriptors);
+    const Eigen::MatrixXd centered =
+        (descriptors.rowwise() - descriptors.colwise().mean()).cast<double>();
     sum.noalias() += centered.transpose() * centered;
-    num_differences += num_looks - 1;
+    num_differences += num_observations - 1;
   }
   if (num_differences == 0.0) {
     throw Error(ErrorCode::kBadInput,
@@ -177,10 +178,11 @@ Eigen::MatrixXd WithinLandmarkCovariance(const Reconstruction& reconstruction,
   return within + kShrinkage * within.trace() / dim * Eigen::MatrixXd::Identity(dim, dim);
 }
 
-// The directions along which landmarks differ most, relative to the looks at one landmark. The
-// squared distance in the projected space is the statistic of the likelihood-ratio test that two
-// descriptors belong to one landmark (Bosse and Zlot 2009): with W the covariance within landmarks
-// and T that of all descriptors, the generalized eigenvectors T v = l W v, scaled by sqrt(1 - 1/l).
+// The directions along which landmarks differ most, relative to the descriptors of one landmark.
+// The squared distance in the projected space is the statistic of the likelihood-ratio test that
+// two descriptors belong to one landmark (Bosse and Zlot 2009): with W the covariance within
+// landmarks and T that of all descriptors, the generalized eigenvectors T v = l W v, scaled by
+// sqrt(1 - 1/l).
 ProjectionRows LikelihoodRatioComponents(const Eigen::MatrixXd& covariance,
                                          const Eigen::MatrixXd& within, int count) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance, within);

@@ -222,7 +222,7 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
       continue;
     }
     if (restricted) {
-      const auto x_in_world = TriangulatePoint(ViewsOf(*reconstruction, landmark));
+      const auto x_in_world = TriangulatePoint(PointObservationsOf(*reconstruction, landmark));
       if (!x_in_world) {
         continue;
       }

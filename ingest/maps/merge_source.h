@@ -33,8 +33,8 @@ class MergeSource {
   // From now on, tiles come in the codes of another codebook. Throws as Transcoder.
   void RecodeTo(std::shared_ptr<const Codebook> codebook);
   // From now on, keyframes and landmarks stand elsewhere, in the tiles that contain them there. A
-  // landmark of two tiles that meet in one keeps the looks and the history of one of them; see
-  // MapMotion.
+  // landmark of two tiles that meet in one keeps the descriptors and the history of one of them;
+  // see MapMotion.
   void Move(const Sim3d& moved_from_ecef);
   // Landmarks of this map that get ids of the other map in place of their own.
   void Link(std::unordered_map<LandmarkId, LandmarkId> links) { links_ = std::move(links); }

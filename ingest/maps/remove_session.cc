@@ -17,8 +17,8 @@ namespace cairn {
 namespace {
 
 int64_t CountLandmarksOf(const Tile& tile, SessionId session_id) {
-  return std::count_if(tile.sightings.begin(), tile.sightings.end(), [&](const auto& sighting) {
-    return sighting.session_id == session_id && sighting.num_sights > 0;
+  return std::count_if(tile.history.begin(), tile.history.end(), [&](const auto& entry) {
+    return entry.session_id == session_id && entry.num_observations > 0;
   });
 }
 

@@ -11,9 +11,9 @@ namespace cairn {
 
 // The removal is exact for some content only. Keyframes of the session and landmarks that no other
 // session has seen are removed without a trace. Landmarks that others have seen, too, lose the
-// session's sightings; its share in their positions and descriptors cannot be told apart and stays.
-// A tile in which only this session has keyframes left goes as a whole; an earlier version of the
-// map still has it.
+// session's entry of the history; its share in their positions and descriptors cannot be told apart
+// and stays. A tile in which only this session has keyframes left goes as a whole; an earlier
+// version of the map still has it.
 struct RemovalReport {
   MapVersion map_version{};
   int64_t num_landmarks_removed =

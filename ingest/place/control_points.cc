@@ -19,13 +19,13 @@ bool IsSamePlace(const Geodetic& a, const Geodetic& b) {
   return a.lat_rad == b.lat_rad && a.lon_rad == b.lon_rad && a.h_m == b.h_m;
 }
 
-// For each name that sights use, the index of the image; -1 if the reconstruction has none.
-std::map<std::string, int> ImagesOfSights(const Reconstruction& reconstruction,
-                                          const std::vector<ControlPoint>& points) {
+// For each name that observations use, the index of the image; -1 if the reconstruction has none.
+std::map<std::string, int> ImagesOfObservations(const Reconstruction& reconstruction,
+                                                const std::vector<ControlPoint>& points) {
   std::map<std::string, int> image_of_name;
   for (const ControlPoint& point : points) {
-    for (const ControlSight& sight : point.sights) {
-      image_of_name.emplace(sight.image_name, -1);
+    for (const ControlObservation& observation : point.observations) {
+      image_of_name.emplace(observation.image_name, -1);
     }
   }
   std::vector<std::string> wanted, known;
@@ -50,27 +50,28 @@ std::map<std::string, int> ImagesOfSights(const Reconstruction& reconstruction,
   return image_of_name;
 }
 
-std::vector<PointView> ViewsOfPoint(const Reconstruction& reconstruction, const ControlPoint& point,
-                                    const std::map<std::string, int>& image_of_name) {
-  std::vector<PointView> views;
-  for (const ControlSight& sight : point.sights) {
-    const int image_idx = image_of_name.at(sight.image_name);
+std::vector<PointObservation> ObservationsOfPoint(const Reconstruction& reconstruction,
+                                                  const ControlPoint& point,
+                                                  const std::map<std::string, int>& image_of_name) {
+  std::vector<PointObservation> observations;
+  for (const ControlObservation& observation : point.observations) {
+    const int image_idx = image_of_name.at(observation.image_name);
     if (image_idx >= 0) {
       const ReconImage& image = reconstruction.images[static_cast<size_t>(image_idx)];
-      views.push_back({&reconstruction.cameras[static_cast<size_t>(image.camera_idx)],
-                       image.cam_from_world, sight.pixel, 1.0});
+      observations.push_back({&reconstruction.cameras[static_cast<size_t>(image.camera_idx)],
+                              image.cam_from_world, observation.pixel, 1.0});
     }
   }
-  return views;
+  return observations;
 }
 
-// Where the rays of the views meet; nothing if they pass each other.
-std::optional<Eigen::Vector3d> MeetingPoint(const std::vector<PointView>& views) {
+// Where the rays of the observations meet; nothing if they pass each other.
+std::optional<Eigen::Vector3d> MeetingPoint(const std::vector<PointObservation>& observations) {
   // Clicks err by some pixels, the pixel of another point by more.
   constexpr double kMaxErrorPx = 20.0;
-  const std::optional<Eigen::Vector3d> x_in_world = TriangulatePoint(views);
+  const std::optional<Eigen::Vector3d> x_in_world = TriangulatePoint(observations);
   const std::optional<PointUncertainty> uncertainty =
-      x_in_world ? EstimateUncertainty(views, *x_in_world) : std::nullopt;
+      x_in_world ? EstimateUncertainty(observations, *x_in_world) : std::nullopt;
   return uncertainty && uncertainty->median_error_px <= kMaxErrorPx ? x_in_world : std::nullopt;
 }
 
@@ -89,14 +90,14 @@ std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
       points.push_back({.name = name,
                         .position = position,
                         .accuracy_m = table.AccuracyOr(defaults.accuracy_m),
-                        .sights = {}});
+                        .observations = {}});
     }
     ControlPoint& point = points[entry->second];
     if (!IsSamePlace(point.position, position)) {
       table.Throw(
           fmt::format("the point {} has another position in an earlier line", Excerpt(name)));
     }
-    point.sights.push_back(
+    point.observations.push_back(
         {.image_name = table.Text("image"), .pixel = {table.Number("x_px"), table.Number("y_px")}});
   }
   if (points.empty()) {
@@ -114,21 +115,23 @@ void MakeHeightsEllipsoidal(HeightReference reference, std::vector<ControlPoint>
 Georegistration GeoregisterByControl(const Reconstruction& reconstruction,
                                      const std::vector<ControlPoint>& points,
                                      const GeoregisterOptions& options) {
-  const std::map<std::string, int> image_of_name = ImagesOfSights(reconstruction, points);
+  const std::map<std::string, int> image_of_name = ImagesOfObservations(reconstruction, points);
   // Georegister fits cameras to positions, so each point becomes a camera that stands there.
   Reconstruction cameras_at_points;
   cameras_at_points.cameras.emplace_back();
   std::vector<CameraPosition> positions;
   std::vector<std::string> notes;
   for (const ControlPoint& point : points) {
-    const std::vector<PointView> views = ViewsOfPoint(reconstruction, point, image_of_name);
-    const std::optional<Eigen::Vector3d> x_in_world = MeetingPoint(views);
+    const std::vector<PointObservation> observations =
+        ObservationsOfPoint(reconstruction, point, image_of_name);
+    const std::optional<Eigen::Vector3d> x_in_world = MeetingPoint(observations);
     if (!x_in_world) {
-      notes.push_back(fmt::format(
-          "the control point {} does not count: {}", Excerpt(point.name),
-          views.size() < 2
-              ? fmt::format("{} photos of the model show it, and two are needed", views.size())
-              : "the rays of its photos do not meet"));
+      notes.push_back(
+          fmt::format("the control point {} does not count: {}", Excerpt(point.name),
+                      observations.size() < 2
+                          ? fmt::format("{} photos of the model show it, and two are needed",
+                                        observations.size())
+                          : "the rays of its photos do not meet"));
       continue;
     }
     ReconImage& image = cameras_at_points.images.emplace_back();

@@ -12,7 +12,7 @@
 namespace cairn {
 
 // Where a photo shows a point.
-struct ControlSight {
+struct ControlObservation {
   std::string image_name;
   Eigen::Vector2d pixel;
 };
@@ -21,7 +21,7 @@ struct ControlPoint {
   std::string name;
   Geodetic position;
   double accuracy_m = 0.1;  // 68 % radius: of the survey, and of pixels that people click.
-  std::vector<ControlSight> sights;
+  std::vector<ControlObservation> observations;
 };
 
 // Reads a CSV (core/csv.h) with a header and the columns point, lat_deg, lon_deg, h_m, image, x_px,

@@ -39,9 +39,10 @@ std::optional<PoseObservation> WithoutPhoto(const Reconstruction& reconstruction
         reconstruction.images[image_idx].features.keypoints[observation.keypoint_idx];
     pixel = Eigen::Vector2d(keypoint.x_px, keypoint.y_px);
   }
-  const std::vector<PointView> views = ViewsOf(reconstruction, others);
-  const auto x_in_world = TriangulatePoint(views);
-  const auto uncertainty = x_in_world ? EstimateUncertainty(views, *x_in_world) : std::nullopt;
+  const std::vector<PointObservation> observations = PointObservationsOf(reconstruction, others);
+  const auto x_in_world = TriangulatePoint(observations);
+  const auto uncertainty =
+      x_in_world ? EstimateUncertainty(observations, *x_in_world) : std::nullopt;
   if (!pixel || !uncertainty) {
     return std::nullopt;
   }

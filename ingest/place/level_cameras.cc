@@ -14,7 +14,7 @@ namespace cairn {
 namespace {
 
 // More add time and no certainty.
-constexpr size_t kMaxViews = 300, kMaxPositions = 300, kMaxSights = 3000;
+constexpr size_t kMaxViews = 300, kMaxPositions = 300, kMaxRays = 3000;
 
 // Of one photo, and of a session: as often as not, programs wrote the orientations that do not know
 // them (then nearly always 1), or turned the pixels.
@@ -72,23 +72,23 @@ std::vector<T> Thinned(const std::vector<T>& values, size_t max_count) {
   return thinned;
 }
 
-std::vector<Eigen::Vector3d> SightsOf(const Reconstruction& reconstruction,
-                                      double normalized_per_world) {
+std::vector<Eigen::Vector3d> RaysOf(const Reconstruction& reconstruction,
+                                    double normalized_per_world) {
   std::vector<Eigen::Vector3d> centers;
   for (const ReconImage& image : reconstruction.images) {
     centers.push_back(image.cam_from_world.Inverse().translation);
   }
-  std::vector<Eigen::Vector3d> sights;
+  std::vector<Eigen::Vector3d> rays;
   const size_t num_landmarks = reconstruction.landmarks.size();
-  const size_t count = std::min(num_landmarks, kMaxSights);
+  const size_t count = std::min(num_landmarks, kMaxRays);
   for (size_t i = 0; i < count; ++i) {
     const ReconLandmark& landmark = reconstruction.landmarks[i * num_landmarks / count];
     if (!landmark.observations.empty()) {
       const ReconObservation& seen = landmark.observations[i % landmark.observations.size()];
-      sights.push_back(normalized_per_world * (landmark.x_in_world - centers[seen.image_idx]));
+      rays.push_back(normalized_per_world * (landmark.x_in_world - centers[seen.image_idx]));
     }
   }
-  return sights;
+  return rays;
 }
 
 const char* WordsFor(PictureUp up) {
@@ -141,8 +141,8 @@ UpProblem MirroredBack(UpProblem problem) {
   for (SimilarityProblem::Position& position : problem.positions) {
     position.center_in_world.x() *= -1.0;
   }
-  for (Eigen::Vector3d& sight : problem.sights_in_world) {
-    sight.x() *= -1.0;
+  for (Eigen::Vector3d& ray : problem.rays_in_world) {
+    ray.x() *= -1.0;
   }
   return problem;
 }
@@ -225,7 +225,7 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
   }
   const UpProblem problem = {.views = Thinned(views, kMaxViews),
                              .positions = Thinned(positions, kMaxPositions),
-                             .sights_in_world = SightsOf(reconstruction, normalized_per_world),
+                             .rays_in_world = RaysOf(reconstruction, normalized_per_world),
                              .trust_in_statements = is_given ? 1.0 : kTrustInSession,
                              .roll_sigma_rad = options.upright_sigma_rad};
   const UpEvidence evidence(problem);

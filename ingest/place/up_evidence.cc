@@ -55,14 +55,14 @@ double StatementLikelihood(const UpView& view, size_t hold) {
 UpEvidence::UpEvidence(const UpProblem& problem) : problem_(problem) {
   PreparePositions();
   PrepareStatements();
-  if (!problem_.sights_in_world.empty()) {
+  if (!problem_.rays_in_world.empty()) {
     std::vector<double> lengths;
-    for (const Eigen::Vector3d& sight : problem_.sights_in_world) {
-      lengths.push_back(sight.norm());
+    for (const Eigen::Vector3d& ray : problem_.rays_in_world) {
+      lengths.push_back(ray.norm());
     }
     std::sort(lengths.begin(), lengths.end());
-    near_sight_in_world_ = lengths[lengths.size() / 10];
-    far_sight_in_world_ = lengths[lengths.size() - 1 - lengths.size() / 10];
+    near_ray_in_world_ = lengths[lengths.size() / 10];
+    far_ray_in_world_ = lengths[lengths.size() - 1 - lengths.size() / 10];
   }
 }
 
@@ -267,35 +267,35 @@ double UpEvidence::ScorePositions(const Eigen::Vector3d& up_in_world, double* en
 
 // An upside-down street is a street under a low roof: nothing goes far above.
 double UpEvidence::ScoreGround(const Eigen::Vector3d& up_in_world, double enu_per_world) const {
-  if (problem_.sights_in_world.empty()) {
+  if (problem_.rays_in_world.empty()) {
     return 0.0;
   }
   int64_t num_far_below = 0, num_far_above = 0, num_roof = 0;
-  for (const Eigen::Vector3d& sight : problem_.sights_in_world) {
-    const double up = sight.dot(up_in_world);
-    if (std::abs(up) > kSteepSine * sight.norm()) {
+  for (const Eigen::Vector3d& ray : problem_.rays_in_world) {
+    const double up = ray.dot(up_in_world);
+    if (std::abs(up) > kSteepSine * ray.norm()) {
       num_far_below += enu_per_world * up < -kFarM;
       num_far_above += enu_per_world * up > kFarM;
       num_roof += up > 0.0 && enu_per_world * up < kFarM;
     }
   }
   const auto has = [&](int64_t count) {
-    const double share = static_cast<double>(count) / problem_.sights_in_world.size();
+    const double share = static_cast<double>(count) / problem_.rays_in_world.size();
     return std::clamp((share - kFewFar) / (kManyFar - kFewFar), 0.0, 1.0);
   };
   const double is_high = has(num_far_below);
   const double has_roof = has(num_roof) * (1.0 - has(num_far_above));
-  const bool is_close = enu_per_world * far_sight_in_world_ < kLargestFloorM;
+  const bool is_close = enu_per_world * far_ray_in_world_ < kLargestFloorM;
   return is_high * (std::log(kHighSessionShare) + has_roof * std::log(kLowRoofShare)) +
          (is_close ? std::log(kCloseWallShare) : 0.0);
 }
 
 double UpEvidence::ScoreFlight(double enu_per_world) const {
-  if (problem_.sights_in_world.empty()) {
+  if (problem_.rays_in_world.empty()) {
     return std::log(kUnseenFlightShare);
   }
-  const bool films_floor = enu_per_world * far_sight_in_world_ < kLargestFloorM;
-  const bool flies = enu_per_world * near_sight_in_world_ > kLeastFlightM;
+  const bool films_floor = enu_per_world * far_ray_in_world_ < kLargestFloorM;
+  const bool flies = enu_per_world * near_ray_in_world_ > kLeastFlightM;
   return films_floor || flies ? 0.0 : std::log(kLowFlightShare);
 }
 

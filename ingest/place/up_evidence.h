@@ -26,7 +26,7 @@ struct UpView {
 struct UpProblem {
   std::vector<UpView> views;
   std::vector<SimilarityProblem::Position> positions;
-  std::vector<Eigen::Vector3d> sights_in_world;  // From a camera to a landmark that it sees.
+  std::vector<Eigen::Vector3d> rays_in_world;  // From a camera to a landmark that it sees.
   double trust_in_statements = 1.0;  // Probability that a sensor or a user made those of the views.
   double roll_sigma_rad = 0.1;       // Of a camera that is held in one of the ways of PictureUp.
 };
@@ -85,8 +85,8 @@ class UpEvidence {
   bool has_stated_ = false;
   // Probabilities of what the session states if it was made up, and if all cameras look down.
   double made_up_ = 1.0, said_from_above_ = 1.0;
-  // Lengths of which a tenth of the sights are shorter, and longer.
-  double near_sight_in_world_ = 0.0, far_sight_in_world_ = 0.0;
+  // Lengths of which a tenth of the rays are shorter, and longer.
+  double near_ray_in_world_ = 0.0, far_ray_in_world_ = 0.0;
 };
 
 }  // namespace cairn

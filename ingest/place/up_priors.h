@@ -51,9 +51,9 @@ inline constexpr double kShapeError = 0.01;
 // sessions that climb in any way.
 inline constexpr double kSlopeSigma = 0.1, kClimbShare = 0.03;
 
-// A sight goes far below if it ends this far below the camera, and steeply enough that errors of up
+// A ray goes far below if it ends this far below the camera, and steeply enough that errors of up
 // do not matter. People hold a camera at 1 to 2 m over the ground. On real walks, up to 0.1 % of
-// the sights go far below with the true up, and 4 to 45 % with an up that is turned by 90 or 180
+// the rays go far below with the true up, and 4 to 45 % with an up that is turned by 90 or 180
 // degrees (docs/math/localization.md).
 inline constexpr double kFarM = 3.0, kSteepSine = 0.17;
 inline constexpr double kFewFar = 0.01, kManyFar = 0.04;

@@ -15,7 +15,7 @@ namespace cairn {
 namespace {
 
 // One descriptor of a landmark and where it was seen from.
-struct Sighting {
+struct TileObservation {
   uint32_t landmark_idx = 0;  // In PlacedSession::landmarks.
   uint32_t keyframe_idx = 0;  // In the tile.
   Eigen::Index row = 0;       // Of the tile's projected descriptors.
@@ -65,12 +65,13 @@ class TileBuilder {
 
   Tile Build() {
     ProjectDescriptors();
-    std::stable_sort(sightings_.begin(), sightings_.end(),
+    std::stable_sort(observations_.begin(), observations_.end(),
                      [](const auto& a, const auto& b) { return a.landmark_idx < b.landmark_idx; });
-    for (auto begin = sightings_.begin(); begin != sightings_.end();) {
-      const auto end = std::find_if(begin, sightings_.end(), [&](const Sighting& sighting) {
-        return sighting.landmark_idx != begin->landmark_idx;
-      });
+    for (auto begin = observations_.begin(); begin != observations_.end();) {
+      const auto end =
+          std::find_if(begin, observations_.end(), [&](const TileObservation& observation) {
+            return observation.landmark_idx != begin->landmark_idx;
+          });
       AddLandmark({begin, end});
       begin = end;
     }
@@ -90,42 +91,42 @@ class TileBuilder {
     tile_.keyframes.push_back({keyframe_id, source_.session_id, cam_from_tile});
   }
 
-  // Fills sightings_ and projected_.
+  // Fills observations_ and projected_.
   void ProjectDescriptors() {
-    size_t num_sightings = 0;
+    size_t num_rows = 0;
     for (const int image_idx : images_) {
-      num_sightings += source_.session->observations_of_image[image_idx].size();
+      num_rows += source_.session->observations_of_image[image_idx].size();
     }
-    sightings_.reserve(num_sightings);
-    projected_.resize(num_sightings, source_.codec->codebook().projected_dim());
+    observations_.reserve(num_rows);
+    projected_.resize(num_rows, source_.codec->codebook().projected_dim());
     for (uint32_t k = 0; k < images_.size(); ++k) {
       const auto& observations = source_.session->observations_of_image[images_[k]];
       const FeatureSet& features = source_.reconstruction->images[images_[k]].features;
       DescriptorMatrix raw(observations.size(), features.descriptors.cols());
-      const auto first_row = static_cast<Eigen::Index>(sightings_.size());
+      const auto first_row = static_cast<Eigen::Index>(observations_.size());
       for (size_t i = 0; i < observations.size(); ++i) {
         raw.row(i) = features.descriptors.row(observations[i].keypoint_idx);
-        sightings_.push_back({observations[i].landmark_idx, k,
-                              first_row + static_cast<Eigen::Index>(i),
-                              observations[i].keypoint_idx});
+        observations_.push_back({observations[i].landmark_idx, k,
+                                 first_row + static_cast<Eigen::Index>(i),
+                                 observations[i].keypoint_idx});
       }
       projected_.middleRows(first_row, raw.rows()) = source_.codec->Project(raw);
     }
   }
 
-  void AddLandmark(std::span<const Sighting> sightings) {
-    const uint32_t landmark_idx = sightings.front().landmark_idx;
+  void AddLandmark(std::span<const TileObservation> observations) {
+    const uint32_t landmark_idx = observations.front().landmark_idx;
     const PlacedLandmark& landmark = source_.session->landmarks[landmark_idx];
     const Eigen::Vector3d x_in_tile = ecef_from_tile_.Inverse() * landmark.x_in_ecef;
 
-    DescriptorMatrix descriptors(sightings.size(), projected_.cols());
-    for (size_t i = 0; i < sightings.size(); ++i) {
-      descriptors.row(i) = projected_.row(sightings[i].row);
+    DescriptorMatrix descriptors(observations.size(), projected_.cols());
+    for (size_t i = 0; i < observations.size(); ++i) {
+      descriptors.row(i) = projected_.row(observations[i].row);
     }
     const AppearanceModes modes = source_.summarizer->Summarize(descriptors);
     std::vector<ModeMeans> means(modes.centers.rows());
-    for (size_t i = 0; i < sightings.size(); ++i) {
-      AddSighting(sightings[i], x_in_tile, &means[modes.mode_of_descriptor[i]]);
+    for (size_t i = 0; i < observations.size(); ++i) {
+      AddObservation(observations[i], x_in_tile, &means[modes.mode_of_descriptor[i]]);
     }
     for (const ModeMeans& mode : means) {
       AddAttributes(mode);
@@ -133,23 +134,23 @@ class TileBuilder {
     centers_.push_back(modes.centers);
 
     tile_.landmark_ids.push_back(source_.landmark_ids[landmark_idx]);
-    const auto num_sights = static_cast<uint8_t>(std::min<size_t>(sightings.size(), 255));
-    tile_.sightings.push_back({source_.session_id, num_sights, num_sights});
-    tile_.sighting_begin.push_back(static_cast<uint32_t>(tile_.sightings.size()));
+    const auto num_observations = static_cast<uint8_t>(std::min<size_t>(observations.size(), 255));
+    tile_.history.push_back({source_.session_id, num_observations, num_observations});
+    tile_.history_begin.push_back(static_cast<uint32_t>(tile_.history.size()));
     tile_.x_in_tile.push_back(QuantizePosition(x_in_tile));
     tile_.sigma_codes.push_back(SigmaCode(landmark.sigma_m));
     tile_.descriptor_begin.push_back(static_cast<uint32_t>(tile_.num_descriptors()));
   }
 
-  void AddSighting(const Sighting& sighting, const Eigen::Vector3d& x_in_tile,
-                   ModeMeans* mode) const {
-    const ReconImage& image = source_.reconstruction->images[images_[sighting.keyframe_idx]];
+  void AddObservation(const TileObservation& observation, const Eigen::Vector3d& x_in_tile,
+                      ModeMeans* mode) const {
+    const ReconImage& image = source_.reconstruction->images[images_[observation.keyframe_idx]];
     const Camera& camera = source_.reconstruction->cameras[image.camera_idx];
-    const Keypoint& keypoint = image.features.keypoints[sighting.keypoint_idx];
+    const Keypoint& keypoint = image.features.keypoints[observation.keypoint_idx];
     const Eigen::Vector3d to_camera =
-        tile_.keyframes[sighting.keyframe_idx].cam_from_tile.Inverse().translation - x_in_tile;
-    if (const auto orientation_rad =
-            GravityRectifiedOrientationRad(camera, keypoint, down_in_cam_[sighting.keyframe_idx])) {
+        tile_.keyframes[observation.keyframe_idx].cam_from_tile.Inverse().translation - x_in_tile;
+    if (const auto orientation_rad = GravityRectifiedOrientationRad(
+            camera, keypoint, down_in_cam_[observation.keyframe_idx])) {
       mode->orientation.Add(*orientation_rad);
     }
     mode->azimuth.Add(std::atan2(to_camera.y(), to_camera.x()));
@@ -181,15 +182,16 @@ class TileBuilder {
     tile_.codes = source_.codec->Encode(all);
   }
 
-  // Sightings are in the order of the tile's landmarks, so each keyframe's list ascends by itself.
+  // Observations are in the order of the tile's landmarks, so each keyframe's list ascends by
+  // itself.
   void AddCovisibility() {
     std::vector<std::vector<uint32_t>> landmarks_of_keyframe(images_.size());
     uint32_t tile_landmark_idx = 0;
-    for (size_t i = 0; i < sightings_.size(); ++i) {
-      if (i > 0 && sightings_[i].landmark_idx != sightings_[i - 1].landmark_idx) {
+    for (size_t i = 0; i < observations_.size(); ++i) {
+      if (i > 0 && observations_[i].landmark_idx != observations_[i - 1].landmark_idx) {
         ++tile_landmark_idx;
       }
-      landmarks_of_keyframe[sightings_[i].keyframe_idx].push_back(tile_landmark_idx);
+      landmarks_of_keyframe[observations_[i].keyframe_idx].push_back(tile_landmark_idx);
     }
     for (const std::vector<uint32_t>& landmarks : landmarks_of_keyframe) {
       tile_.keyframe_landmarks.insert(tile_.keyframe_landmarks.end(), landmarks.begin(),
@@ -202,8 +204,8 @@ class TileBuilder {
   const std::vector<int>& images_;
   Rigid3d ecef_from_tile_;
   std::vector<Eigen::Vector3d> down_in_cam_;  // Per keyframe.
-  std::vector<Sighting> sightings_;
-  DescriptorMatrix projected_;             // A row per sighting, in keyframe order.
+  std::vector<TileObservation> observations_;
+  DescriptorMatrix projected_;             // A row per observation, in keyframe order.
   std::vector<DescriptorMatrix> centers_;  // Per landmark.
   Tile tile_;
 };

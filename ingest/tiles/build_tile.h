@@ -27,8 +27,8 @@ struct TileSource {
 // The landmarks seen from the tile's images (PlacedSession::images_of_tile) with the appearances
 // they have there, in no particular order. `keyframe_ids` is parallel to the images. A landmark's
 // orientation, size and azimuth per mode are the circular, geometric and circular means over the
-// mode's members. The history of a landmark is one sighting, with as many chances as sights. Takes
-// linear time in the observations, apart from one sort.
+// mode's members. The history of a landmark is one entry, with as many chances as observations.
+// Takes linear time in the observations, apart from one sort.
 Tile BuildTile(const TileSource& source, TileId tile_id,
                const std::vector<KeyframeId>& keyframe_ids);
 

@@ -19,10 +19,10 @@ using SessionTimes = std::map<SessionId, double>;
 // By SessionRecord::recorded_at.
 SessionTimes TimesOf(const std::vector<SessionRecord>& sessions);
 
-// Adds the sighting of the newest session, or the sum of sessions that are not in the history
-// (session 0). A history that would exceed Tile::kMaxSightings adds its oldest session to the sum
+// Adds the entry of the newest session, or the sum of sessions that are not in the history
+// (session 0). A history that would exceed Tile::kMaxHistory adds its oldest session to the sum
 // of all older ones.
-void AppendSighting(const LandmarkSighting& sighting, std::vector<LandmarkSighting>* history);
+void AppendToHistory(const HistoryEntry& entry, std::vector<HistoryEntry>* history);
 
 struct PersistenceOptions {
   // The probability that a landmark disappears within a year: a compromise between posters,
@@ -33,17 +33,17 @@ struct PersistenceOptions {
   double least_miss_share = 0.3;
 };
 
-// Returns the probability that a landmark exists at the time of its last sighting, in [0, 1]. A
-// sight sets the probability to 1. The probability then falls with time, and with each session that
-// had chances and no sight. The probability of a sight at a chance is the landmark's own share of
-// sights in chances until then.
-double ExistenceProbability(std::span<const LandmarkSighting> history, const SessionTimes& times,
+// Returns the probability that a landmark exists at the time of its last entry, in [0, 1]. A
+// observation sets the probability to 1. The probability then falls with time, and with each
+// session that had chances and no observation. The probability of an observation at a chance is the
+// landmark's own share of observations in chances until then.
+double ExistenceProbability(std::span<const HistoryEntry> history, const SessionTimes& times,
                             const PersistenceOptions& options);
 
-// Returns the number of sights that a future session of the same density can expect: existence
-// probability x share of sights in chances x chances of a session.
-double ExpectedSights(std::span<const LandmarkSighting> history, const SessionTimes& times,
-                      const PersistenceOptions& options);
+// Returns the number of observations that a future session of the same density can expect:
+// existence probability x share of observations in chances x chances of a session.
+double ExpectedObservations(std::span<const HistoryEntry> history, const SessionTimes& times,
+                            const PersistenceOptions& options);
 
 }  // namespace cairn
 

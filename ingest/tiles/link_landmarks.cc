@@ -15,14 +15,15 @@
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/keypoint_shape.h"
+#include "ingest/tiles/landmark_grid.h"
 #include "ingest/tiles/tile_option_visit.h"
 #include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
 namespace {
 
-// One look of the session at one of its landmarks.
-struct SessionLook {
+// An observation of a landmark by a photo of the session.
+struct SessionObservation {
   uint32_t landmark_idx = 0;
   int image_idx = 0;
   int keypoint_idx = 0;
@@ -31,7 +32,6 @@ struct SessionLook {
 
 // Largest distance at which positions are compared, meters; farther landmarks are never linked.
 constexpr double kMaxGateM = 3.0;
-constexpr double kCellM = kMaxGateM;  // So a search visits 27 cells.
 // Known landmarks closer than this are one thing that the map holds twice.
 constexpr float kSameThingM = 0.15f;
 constexpr double kReferenceFocalPx = 500.0;
@@ -39,52 +39,6 @@ constexpr double kReferenceFocalPx = 500.0;
 double AngleBetween(double a_rad, double b_rad) {
   return std::abs(std::remainder(a_rad - b_rad, 2.0 * kPi));
 }
-
-// The landmarks of a tile by place.
-class LandmarkGrid {
- public:
-  explicit LandmarkGrid(const Tile& tile) : tile_(tile) {
-    for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
-      cells_[KeyOf(CellOf(tile.x_in_tile[i].cast<double>()))].push_back(i);
-    }
-  }
-
-  template <typename Visit>
-  void ForEachWithin(const Eigen::Vector3d& at, double radius_m, const Visit& visit) const {
-    const Eigen::Vector3i low = CellOf(at - Eigen::Vector3d::Constant(radius_m));
-    const Eigen::Vector3i high = CellOf(at + Eigen::Vector3d::Constant(radius_m));
-    for (int x = low.x(); x <= high.x(); ++x) {
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int z = low.z(); z <= high.z(); ++z) {
-          const auto cell = cells_.find(KeyOf({x, y, z}));
-          if (cell == cells_.end()) {
-            continue;
-          }
-          for (const uint32_t i : cell->second) {
-            const double distance_m = (tile_.x_in_tile[i].cast<double>() - at).norm();
-            if (distance_m <= radius_m) {
-              visit(i, distance_m);
-            }
-          }
-        }
-      }
-    }
-  }
-
- private:
-  static Eigen::Vector3i CellOf(const Eigen::Vector3d& at) {
-    return (at / kCellM).array().floor().cast<int>();
-  }
-  static uint64_t KeyOf(const Eigen::Vector3i& cell) {
-    constexpr uint64_t kMask = (1 << 21) - 1;
-    return (static_cast<uint64_t>(cell.x()) & kMask) << 42 |
-           (static_cast<uint64_t>(cell.y()) & kMask) << 21 |
-           (static_cast<uint64_t>(cell.z()) & kMask);
-  }
-
-  const Tile& tile_;
-  std::unordered_map<uint64_t, std::vector<uint32_t>> cells_;
-};
 
 class LinkProposer {
  public:
@@ -95,20 +49,20 @@ class LinkProposer {
         known_(known),
         options_(options),
         ecef_from_tile_(EcefFromEnu(known.id.Anchor())),
-        grid_(known),
+        grid_(&known, kMaxGateM),  // A search visits 27 cells.
         known_descriptors_(
             codec.Decode(known.codes.data(), static_cast<int>(known.num_descriptors()))) {
     const auto distance =
         static_cast<float>(SameLandmarkDistance(codec.codebook(), options.max_distance_quantile));
     max_sq_distance_ = distance * distance;
-    GatherLooks(codec);
+    GatherObservations(codec);
   }
 
   std::vector<LinkProposal> Propose() {
     std::vector<LinkProposal> proposals;
-    for (auto begin = looks_.begin(); begin != looks_.end();) {
-      const auto end = std::find_if(begin, looks_.end(), [&](const SessionLook& look) {
-        return look.landmark_idx != begin->landmark_idx;
+    for (auto begin = observations_.begin(); begin != observations_.end();) {
+      const auto end = std::find_if(begin, observations_.end(), [&](const auto& observation) {
+        return observation.landmark_idx != begin->landmark_idx;
       });
       if (const auto proposal = ProposeFor({begin, end})) {
         proposals.push_back(*proposal);
@@ -119,29 +73,30 @@ class LinkProposer {
   }
 
  private:
-  void GatherLooks(const DescriptorCodec& codec) {
+  void GatherObservations(const DescriptorCodec& codec) {
     const std::vector<int>& images = session_.images_of_tile.at(known_.id);
-    size_t num_looks = 0;
+    size_t num_observations = 0;
     for (const int image_idx : images) {
-      num_looks += session_.observations_of_image[image_idx].size();
+      num_observations += session_.observations_of_image[image_idx].size();
     }
-    projected_.resize(num_looks, codec.codebook().projected_dim());
+    projected_.resize(num_observations, codec.codebook().projected_dim());
     for (const int image_idx : images) {
       const auto& observations = session_.observations_of_image[image_idx];
       const FeatureSet& features = reconstruction_.images[image_idx].features;
       FeatureSet seen;
       seen.space = features.space;
       seen.descriptors.resize(observations.size(), features.descriptors.cols());
-      const auto first_row = static_cast<Eigen::Index>(looks_.size());
+      const auto first_row = static_cast<Eigen::Index>(observations_.size());
       for (size_t i = 0; i < observations.size(); ++i) {
         seen.descriptors.row(i) = features.descriptors.row(observations[i].keypoint_idx);
-        looks_.push_back({observations[i].landmark_idx, image_idx, observations[i].keypoint_idx,
-                          first_row + static_cast<Eigen::Index>(i)});
+        observations_.push_back({observations[i].landmark_idx, image_idx,
+                                 observations[i].keypoint_idx,
+                                 first_row + static_cast<Eigen::Index>(i)});
       }
       projected_.middleRows(first_row, seen.descriptors.rows()) = codec.ProjectFeatures(seen);
       down_in_cam_[image_idx] = DownInCamera(session_.cam_from_ecef[image_idx]);
     }
-    std::stable_sort(looks_.begin(), looks_.end(),
+    std::stable_sort(observations_.begin(), observations_.end(),
                      [](const auto& a, const auto& b) { return a.landmark_idx < b.landmark_idx; });
   }
 
@@ -150,18 +105,19 @@ class LinkProposer {
     return cam_from_ecef.rotation * (EcefFromEnu(position).rotation * DownInEnu());
   }
 
-  // Direction, physical size and orientation of a look, as tiles have them.
+  // Direction, physical size and orientation of a observation, as tiles have them.
   struct Attributes {
     double azimuth_rad = 0.0;
     std::optional<double> log2_size;
     std::optional<double> orientation_rad;
   };
 
-  Attributes AttributesOf(const SessionLook& look, const Eigen::Vector3d& x_in_tile) const {
-    const ReconImage& image = reconstruction_.images[look.image_idx];
+  Attributes AttributesOf(const SessionObservation& observation,
+                          const Eigen::Vector3d& x_in_tile) const {
+    const ReconImage& image = reconstruction_.images[observation.image_idx];
     const Camera& camera = reconstruction_.cameras[image.camera_idx];
-    const Keypoint& keypoint = image.features.keypoints[look.keypoint_idx];
-    const Rigid3d cam_from_tile = session_.cam_from_ecef[look.image_idx] * ecef_from_tile_;
+    const Keypoint& keypoint = image.features.keypoints[observation.keypoint_idx];
+    const Rigid3d cam_from_tile = session_.cam_from_ecef[observation.image_idx] * ecef_from_tile_;
     const Eigen::Vector3d to_camera = cam_from_tile.Inverse().translation - x_in_tile;
     Attributes attributes;
     attributes.azimuth_rad = std::atan2(to_camera.y(), to_camera.x());
@@ -170,33 +126,33 @@ class LinkProposer {
       attributes.log2_size = std::log2(std::max(size_m, 1e-6));
     }
     attributes.orientation_rad =
-        GravityRectifiedOrientationRad(camera, keypoint, down_in_cam_.at(look.image_idx));
+        GravityRectifiedOrientationRad(camera, keypoint, down_in_cam_.at(observation.image_idx));
     return attributes;
   }
 
-  bool IsComparable(const Attributes& look, uint32_t descriptor_idx) const {
-    if (AngleBetween(look.azimuth_rad, AzimuthFromCode(known_.azimuth_codes[descriptor_idx])) >
+  bool IsComparable(const Attributes& own, uint32_t descriptor_idx) const {
+    if (AngleBetween(own.azimuth_rad, AzimuthFromCode(known_.azimuth_codes[descriptor_idx])) >
         options_.max_azimuth_rad) {
       return false;
     }
     const double known_size_m = SizeFromCode(known_.size_codes[descriptor_idx]);
-    if (look.log2_size && known_size_m > 0.0 &&
-        std::abs(*look.log2_size - std::log2(known_size_m)) > options_.max_log2_size) {
+    if (own.log2_size && known_size_m > 0.0 &&
+        std::abs(*own.log2_size - std::log2(known_size_m)) > options_.max_log2_size) {
       return false;
     }
     const uint8_t orientation_code = known_.orientation_codes[descriptor_idx];
-    return !look.orientation_rad || orientation_code == kNoOrientation ||
-           AngleBetween(*look.orientation_rad, OrientationFromCode(orientation_code)) <=
+    return !own.orientation_rad || orientation_code == kNoOrientation ||
+           AngleBetween(*own.orientation_rad, OrientationFromCode(orientation_code)) <=
                options_.max_orientation_rad;
   }
 
-  // The best known landmark for the looks at one landmark of the session.
-  std::optional<LinkProposal> ProposeFor(std::span<const SessionLook> looks) {
-    const PlacedLandmark& landmark = session_.landmarks[looks.front().landmark_idx];
+  // The best known landmark for the observations at one landmark of the session.
+  std::optional<LinkProposal> ProposeFor(std::span<const SessionObservation> observations) {
+    const PlacedLandmark& landmark = session_.landmarks[observations.front().landmark_idx];
     const Eigen::Vector3d x_in_tile = ecef_from_tile_.Inverse() * landmark.x_in_ecef;
     std::vector<Attributes> attributes;
-    for (const SessionLook& look : looks) {
-      attributes.push_back(AttributesOf(look, x_in_tile));
+    for (const SessionObservation& observation : observations) {
+      attributes.push_back(AttributesOf(observation, x_in_tile));
     }
 
     candidates_.clear();
@@ -204,8 +160,8 @@ class LinkProposer {
       if (!IsNear(landmark, known_idx, distance_m)) {
         return;
       }
-      const float sq_distance = SquaredDistance(looks, attributes, known_idx);
-      if (sq_distance > max_sq_distance_ || !FitsImages(looks, known_idx)) {
+      const float sq_distance = SquaredDistance(observations, attributes, known_idx);
+      if (sq_distance > max_sq_distance_ || !FitsImages(observations, known_idx)) {
         return;
       }
       candidates_.push_back({sq_distance, known_.landmark_ids[known_idx], known_idx});
@@ -217,7 +173,7 @@ class LinkProposer {
     if (HasRival(best)) {
       return std::nullopt;
     }
-    return LinkProposal{looks.front().landmark_idx, best.id, best.sq_distance};
+    return LinkProposal{observations.front().landmark_idx, best.id, best.sq_distance};
   }
 
   struct Candidate {
@@ -230,7 +186,7 @@ class LinkProposer {
     }
   };
 
-  // Whether another thing looks nearly as similar.
+  // Whether another thing observations nearly as similar.
   bool HasRival(const Candidate& best) const {
     return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
       const float distance_m =
@@ -247,19 +203,19 @@ class LinkProposer {
     return distance_m <= options_.max_distance_sigmas * sigma_m;
   }
 
-  // Median over the looks of the distance to the nearest comparable descriptor.
-  float SquaredDistance(std::span<const SessionLook> looks,
+  // Median over the observations of the distance to the nearest comparable descriptor.
+  float SquaredDistance(std::span<const SessionObservation> observations,
                         const std::vector<Attributes>& attributes, uint32_t known_idx) {
     distances_.clear();
-    for (size_t i = 0; i < looks.size(); ++i) {
+    for (size_t i = 0; i < observations.size(); ++i) {
       float least = std::numeric_limits<float>::max();
       for (uint32_t d = known_.descriptor_begin[known_idx];
            d < known_.descriptor_begin[known_idx + 1]; ++d) {
         if (!IsComparable(attributes[i], d)) {
           continue;
         }
-        least = std::min(least,
-                         (projected_.row(looks[i].row) - known_descriptors_.row(d)).squaredNorm());
+        least = std::min(
+            least, (projected_.row(observations[i].row) - known_descriptors_.row(d)).squaredNorm());
       }
       distances_.push_back(least);
     }
@@ -269,21 +225,21 @@ class LinkProposer {
   }
 
   // Whether the known landmark stands where the session's keypoints are.
-  bool FitsImages(std::span<const SessionLook> looks, uint32_t known_idx) {
+  bool FitsImages(std::span<const SessionObservation> observations, uint32_t known_idx) {
     const Eigen::Vector3d x_in_ecef = ecef_from_tile_ * known_.x_in_tile[known_idx].cast<double>();
     const double sigma_m =
         std::hypot(SigmaFromCode(known_.sigma_codes[known_idx]), options_.placement_sigma_m);
     errors_.clear();
-    for (const SessionLook& look : looks) {
-      const ReconImage& image = reconstruction_.images[look.image_idx];
+    for (const SessionObservation& observation : observations) {
+      const ReconImage& image = reconstruction_.images[observation.image_idx];
       const Camera& camera = reconstruction_.cameras[image.camera_idx];
-      const Eigen::Vector3d x_in_cam = session_.cam_from_ecef[look.image_idx] * x_in_ecef;
+      const Eigen::Vector3d x_in_cam = session_.cam_from_ecef[observation.image_idx] * x_in_ecef;
       const auto pixel = x_in_cam.z() > 0.0 ? camera.Project(x_in_cam) : std::nullopt;
       if (!pixel) {
         errors_.push_back(std::numeric_limits<double>::max());
         continue;
       }
-      const Keypoint& keypoint = image.features.keypoints[look.keypoint_idx];
+      const Keypoint& keypoint = image.features.keypoints[observation.keypoint_idx];
       const double sigma_px =
           std::hypot(options_.keypoint_sigma_px * camera.focal_px() / kReferenceFocalPx,
                      camera.focal_px() * sigma_m / x_in_cam.norm());
@@ -302,12 +258,12 @@ class LinkProposer {
   LandmarkGrid grid_;
   DescriptorMatrix known_descriptors_;
   float max_sq_distance_ = 0.0f;
-  std::vector<SessionLook> looks_;              // By landmark.
-  DescriptorMatrix projected_;                  // A row a look.
-  std::map<int, Eigen::Vector3d> down_in_cam_;  // By image.
-  std::vector<Candidate> candidates_;           // Scratch.
-  std::vector<float> distances_;                // Scratch.
-  std::vector<double> errors_;                  // Scratch.
+  std::vector<SessionObservation> observations_;  // By landmark.
+  DescriptorMatrix projected_;                    // A row an observation.
+  std::map<int, Eigen::Vector3d> down_in_cam_;    // By image.
+  std::vector<Candidate> candidates_;             // Scratch.
+  std::vector<float> distances_;                  // Scratch.
+  std::vector<double> errors_;                    // Scratch.
 };
 
 }  // namespace

@@ -24,12 +24,12 @@ struct LinkOptions {
   // images), in standard deviations. Keypoint, landmark and placement contribute to the deviation.
   double max_error_sigmas = 4.0;
   double keypoint_sigma_px = 1.5;  // At a focal length of 500 px; proportional to the focal length.
-  // Two looks are compared only if their directions, sizes and orientations differ by less.
+  // Two observations are compared only if their directions, sizes and orientations differ by less.
   double max_azimuth_rad = 1.2;
   double max_log2_size = 1.5;
   double max_orientation_rad = 0.6;
-  // Largest descriptor distance to the nearest look of the known landmark (median over the
-  // session's looks), as a quantile of the distances between looks at one landmark.
+  // Largest descriptor distance to the nearest descriptor of the known landmark (median over the
+  // session's observations), as a quantile of the distances between descriptors of one landmark.
   double max_distance_quantile = 0.95;
   // Largest ratio of the squared descriptor distance to that of any other known landmark nearby.
   double max_ratio = 0.85;
@@ -46,7 +46,7 @@ struct LinkProposal {
 
 // Compares the landmarks that the session's images of one tile see with the landmarks of the map's
 // tile `known`. Returns at most one proposal for each landmark of the session. Linear in the tile
-// and the session's sights of it.
+// and the session's observations of it.
 std::vector<LinkProposal> ProposeLinks(const Reconstruction& reconstruction,
                                        const PlacedSession& session, const Tile& known,
                                        const DescriptorCodec& codec, const LinkOptions& options);

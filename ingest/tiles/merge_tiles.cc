@@ -17,7 +17,7 @@ namespace cairn {
 namespace {
 
 // One descriptor of a landmark with its attributes; `code` is empty once it was averaged.
-struct Look {
+struct WeightedDescriptor {
   Eigen::RowVectorXf descriptor;
   std::vector<uint8_t> code;
   double weight = 0.0;
@@ -32,8 +32,8 @@ double MeanAngleRad(double a_rad, double a_weight, double b_rad, double b_weight
                     a_weight * std::cos(a_rad) + b_weight * std::cos(b_rad));
 }
 
-Look MeanLook(const Look& a, const Look& b) {
-  Look mean;
+WeightedDescriptor MeanDescriptor(const WeightedDescriptor& a, const WeightedDescriptor& b) {
+  WeightedDescriptor mean;
   mean.weight = a.weight + b.weight;
   const double a_share = a.weight / mean.weight, b_share = b.weight / mean.weight;
   mean.descriptor =
@@ -58,7 +58,7 @@ class TileMerger {
     CAIRN_CHECK(known.id == fresh.id && known.codebook_id == fresh.codebook_id,
                 "only contents of one tile in one codebook can be merged");
     const double median = SameLandmarkDistance(codec.codebook(), 0.5);
-    same_look_sq_distance_ = static_cast<float>(std::pow(options.same_look_share * median, 2));
+    max_same_sq_distance_ = static_cast<float>(std::pow(options.same_look_share * median, 2));
   }
 
   Tile Merge() {
@@ -106,55 +106,56 @@ class TileMerger {
     merged_.sigma_codes.push_back(
         SigmaCode(std::max(options_.least_sigma_m, 1.0 / std::sqrt(information))));
 
-    const std::span<const LandmarkSighting> before = known_.SightingsOf(known_idx);
-    std::vector<LandmarkSighting> history(before.begin(), before.end());
-    for (const LandmarkSighting& sighting : fresh_.SightingsOf(fresh_idx)) {
-      AppendSighting(sighting, &history);
+    const std::span<const HistoryEntry> before = known_.HistoryOf(known_idx);
+    std::vector<HistoryEntry> history(before.begin(), before.end());
+    for (const HistoryEntry& entry : fresh_.HistoryOf(fresh_idx)) {
+      AppendToHistory(entry, &history);
     }
-    merged_.sightings.insert(merged_.sightings.end(), history.begin(), history.end());
-    merged_.sighting_begin.push_back(static_cast<uint32_t>(merged_.sightings.size()));
+    merged_.history.insert(merged_.history.end(), history.begin(), history.end());
+    merged_.history_begin.push_back(static_cast<uint32_t>(merged_.history.size()));
 
-    std::vector<Look> looks;
-    AppendLooks(known_, known_idx, options_.old_weight_share, &looks);
-    AppendLooks(fresh_, fresh_idx, 1.0, &looks);
-    Reduce(&looks);
-    for (const Look& look : looks) {
-      AppendLook(look);
+    std::vector<WeightedDescriptor> weighted;
+    AppendDescriptorsOf(known_, known_idx, options_.old_weight_share, &weighted);
+    AppendDescriptorsOf(fresh_, fresh_idx, 1.0, &weighted);
+    Reduce(&weighted);
+    for (const WeightedDescriptor& one : weighted) {
+      AppendDescriptor(one);
     }
     merged_.descriptor_begin.push_back(static_cast<uint32_t>(merged_.num_descriptors()));
   }
 
-  void AppendLooks(const Tile& tile, uint32_t landmark_idx, double weight_share,
-                   std::vector<Look>* looks) const {
+  void AppendDescriptorsOf(const Tile& tile, uint32_t landmark_idx, double weight_share,
+                           std::vector<WeightedDescriptor>* weighted) const {
     const uint32_t begin = tile.descriptor_begin[landmark_idx];
     const uint32_t end = tile.descriptor_begin[landmark_idx + 1];
     const uint8_t* codes = tile.codes.data() + size_t{begin} * tile.code_size;
     const DescriptorMatrix descriptors = codec_.Decode(codes, static_cast<int>(end - begin));
     for (uint32_t d = begin; d < end; ++d) {
-      Look look;
-      look.descriptor = descriptors.row(d - begin);
+      WeightedDescriptor one;
+      one.descriptor = descriptors.row(d - begin);
       const uint8_t* code = codes + size_t{d - begin} * tile.code_size;
-      look.code.assign(code, code + tile.code_size);
-      look.weight = weight_share * WeightFromCode(tile.weight_codes[d]);
+      one.code.assign(code, code + tile.code_size);
+      one.weight = weight_share * WeightFromCode(tile.weight_codes[d]);
       if (tile.orientation_codes[d] != kNoOrientation) {
-        look.orientation_rad = OrientationFromCode(tile.orientation_codes[d]);
+        one.orientation_rad = OrientationFromCode(tile.orientation_codes[d]);
       }
       if (const double size_m = SizeFromCode(tile.size_codes[d]); size_m > 0.0) {
-        look.log_size = std::log(size_m);
+        one.log_size = std::log(size_m);
       }
-      look.azimuth_rad = AzimuthFromCode(tile.azimuth_codes[d]);
-      looks->push_back(std::move(look));
+      one.azimuth_rad = AzimuthFromCode(tile.azimuth_codes[d]);
+      weighted->push_back(std::move(one));
     }
   }
 
-  // Averages looks that say the same, nearest first, then keeps the heaviest.
-  void Reduce(std::vector<Look>* looks) const {
-    while (looks->size() > 1) {
+  // Averages descriptors that are alike, nearest first, then keeps the heaviest.
+  void Reduce(std::vector<WeightedDescriptor>* weighted) const {
+    while (weighted->size() > 1) {
       float least = std::numeric_limits<float>::max();
       size_t a = 0, b = 0;
-      for (size_t i = 0; i < looks->size(); ++i) {
-        for (size_t j = i + 1; j < looks->size(); ++j) {
-          const float sq_distance = ((*looks)[i].descriptor - (*looks)[j].descriptor).squaredNorm();
+      for (size_t i = 0; i < weighted->size(); ++i) {
+        for (size_t j = i + 1; j < weighted->size(); ++j) {
+          const float sq_distance =
+              ((*weighted)[i].descriptor - (*weighted)[j].descriptor).squaredNorm();
           if (sq_distance < least) {
             least = sq_distance;
             a = i;
@@ -162,37 +163,39 @@ class TileMerger {
           }
         }
       }
-      if (least > same_look_sq_distance_) {
+      if (least > max_same_sq_distance_) {
         break;
       }
-      (*looks)[a] = MeanLook((*looks)[a], (*looks)[b]);
-      looks->erase(looks->begin() + static_cast<std::ptrdiff_t>(b));
+      (*weighted)[a] = MeanDescriptor((*weighted)[a], (*weighted)[b]);
+      weighted->erase(weighted->begin() + static_cast<std::ptrdiff_t>(b));
     }
     double weight = 0.0;
-    for (const Look& look : *looks) {
-      weight += look.weight;
+    for (const WeightedDescriptor& one : *weighted) {
+      weight += one.weight;
     }
-    const int num_sights = std::max(1, static_cast<int>(std::lround(weight)));
-    const auto wanted = static_cast<size_t>(std::max(1, summarizer_.NumModes(num_sights)));
-    if (looks->size() > wanted) {
-      std::stable_sort(looks->begin(), looks->end(),
-                       [](const Look& x, const Look& y) { return x.weight > y.weight; });
-      looks->resize(wanted);
+    const int num_observations = std::max(1, static_cast<int>(std::lround(weight)));
+    const auto wanted = static_cast<size_t>(std::max(1, summarizer_.NumModes(num_observations)));
+    if (weighted->size() > wanted) {
+      std::stable_sort(weighted->begin(), weighted->end(),
+                       [](const WeightedDescriptor& x, const WeightedDescriptor& y) {
+                         return x.weight > y.weight;
+                       });
+      weighted->resize(wanted);
     }
   }
 
-  void AppendLook(const Look& look) {
-    std::vector<uint8_t> code = look.code;
+  void AppendDescriptor(const WeightedDescriptor& one) {
+    std::vector<uint8_t> code = one.code;
     if (code.empty()) {
-      const DescriptorMatrix row = look.descriptor;
+      const DescriptorMatrix row = one.descriptor;
       code = codec_.Encode(row);
     }
     merged_.codes.insert(merged_.codes.end(), code.begin(), code.end());
-    merged_.orientation_codes.push_back(
-        look.orientation_rad ? OrientationCode(*look.orientation_rad) : kNoOrientation);
-    merged_.size_codes.push_back(SizeCode(look.log_size ? std::exp(*look.log_size) : 0.0));
-    merged_.azimuth_codes.push_back(AzimuthCode(look.azimuth_rad));
-    merged_.weight_codes.push_back(WeightCode(look.weight));
+    merged_.orientation_codes.push_back(one.orientation_rad ? OrientationCode(*one.orientation_rad)
+                                                            : kNoOrientation);
+    merged_.size_codes.push_back(SizeCode(one.log_size ? std::exp(*one.log_size) : 0.0));
+    merged_.azimuth_codes.push_back(AzimuthCode(one.azimuth_rad));
+    merged_.weight_codes.push_back(WeightCode(one.weight));
   }
 
   void AppendKeyframes() {
@@ -215,7 +218,7 @@ class TileMerger {
   const DescriptorCodec& codec_;
   const AppearanceSummarizer& summarizer_;
   const MergeOptions& options_;
-  float same_look_sq_distance_ = 0.0f;
+  float max_same_sq_distance_ = 0.0f;
   std::vector<uint32_t> new_idx_of_fresh_;
   Tile merged_;
 };

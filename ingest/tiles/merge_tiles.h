@@ -11,10 +11,11 @@
 namespace cairn {
 
 struct MergeOptions {
-  // Factor on the weights of all earlier sights: a session counts twice as much as the one before.
+  // Factor on the weights of all earlier observations: a session counts twice as much as the one
+  // before.
   double old_weight_share = 0.5;
-  // Two descriptors nearer than this share of the median distance between looks at one landmark are
-  // averaged.
+  // Two descriptors nearer than this share of the median distance between descriptors of one
+  // landmark are averaged.
   double same_look_share = 0.5;
   // The smallest standard deviation of a merged position, because the errors of sessions are not
   // independent.
@@ -29,7 +30,8 @@ struct MergeOptions {
 //
 // The position of a merged landmark is the mean by inverse variances. Similar descriptors are
 // averaged by weight. The heaviest descriptors are kept, as many as `summarizer` grants for that
-// weight of sights. The history gets the sightings of `fresh`. Deterministic. Linear in both tiles.
+// weight of observations. The history gets the entries of `fresh`. Deterministic. Linear in both
+// tiles.
 Tile MergeTiles(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
                 const AppearanceSummarizer& summarizer, const MergeOptions& options);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kSessionsUntilFull = 3;
 
 // Mean stored bytes in tiles of a simulated city; those of a descriptor beside its code.
-constexpr double kBytesOfDescriptor = 4.5, kBytesOfLandmark = 7.0, kBytesOfSighting = 1.1;
+constexpr double kBytesOfDescriptor = 4.5, kBytesOfLandmark = 7.0, kBytesOfHistoryEntry = 1.1;
 constexpr double kBytesOfKeyframe = 57.0, kBytesOfObservation = 0.6;
 
 bool IsFull(const Tile& tile) {
@@ -25,8 +25,8 @@ bool IsFull(const Tile& tile) {
   for (const TileKeyframe& keyframe : tile.keyframes) {
     sessions.insert(keyframe.session_id);
   }
-  for (const LandmarkSighting& sighting : tile.sightings) {
-    sessions.insert(sighting.session_id);
+  for (const HistoryEntry& entry : tile.history) {
+    sessions.insert(entry.session_id);
   }
   return sessions.size() >= kSessionsUntilFull;
 }
@@ -71,7 +71,7 @@ int64_t EstimateBytes(const Tile& tile) {
   return std::llround((tile.code_size + kBytesOfDescriptor) *
                           static_cast<double>(tile.num_descriptors()) +
                       kBytesOfLandmark * static_cast<double>(tile.num_landmarks()) +
-                      kBytesOfSighting * static_cast<double>(tile.sightings.size()) +
+                      kBytesOfHistoryEntry * static_cast<double>(tile.history.size()) +
                       kBytesOfKeyframe * static_cast<double>(tile.num_keyframes()) +
                       kBytesOfObservation * static_cast<double>(tile.keyframe_landmarks.size()));
 }

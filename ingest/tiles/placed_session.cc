@@ -56,15 +56,16 @@ class LandmarkJudge {
     if (static_cast<int>(landmark.observations.size()) < options_.min_observations) {
       return std::nullopt;
     }
-    const std::vector<PointView> views = ViewsOf(reconstruction_, landmark);
-    const auto uncertainty = EstimateUncertainty(views, landmark.x_in_world);
+    const std::vector<PointObservation> observations =
+        PointObservationsOf(reconstruction_, landmark);
+    const auto uncertainty = EstimateUncertainty(observations, landmark.x_in_world);
     if (!uncertainty) {
       return std::nullopt;
     }
     const double sigma_m = ecef_from_world_.scale * uncertainty->Sigma();
     const bool good = sigma_m <= options_.max_sigma_m &&
                       uncertainty->median_error_px <= options_.max_reprojection_error_px &&
-                      IsNear(views, landmark.x_in_world);
+                      IsNear(observations, landmark.x_in_world);
     if (!good) {
       return std::nullopt;
     }
@@ -77,10 +78,13 @@ class LandmarkJudge {
   }
 
  private:
-  bool IsNear(const std::vector<PointView>& views, const Eigen::Vector3d& x_in_world) const {
-    return std::all_of(views.begin(), views.end(), [&](const PointView& view) {
-      return ecef_from_world_.scale * (view.cam_from_world * x_in_world).norm() < kMaxViewDistanceM;
-    });
+  bool IsNear(const std::vector<PointObservation>& observations,
+              const Eigen::Vector3d& x_in_world) const {
+    return std::all_of(
+        observations.begin(), observations.end(), [&](const PointObservation& observation) {
+          return ecef_from_world_.scale * (observation.cam_from_world * x_in_world).norm() <
+                 kMaxViewDistanceM;
+        });
   }
 
   const Reconstruction& reconstruction_;

@@ -22,9 +22,9 @@ void RenumberTile(const NewIds& ids, Tile* tile) {
   for (LandmarkId& id : tile->landmark_ids) {
     id = LandmarkId(Value(id) + ids.landmark_offset);
   }
-  for (LandmarkSighting& sighting : tile->sightings) {
-    if (sighting.session_id != SessionId{}) {
-      sighting.session_id = NewId(ids.sessions, sighting.session_id, *tile);
+  for (HistoryEntry& entry : tile->history) {
+    if (entry.session_id != SessionId{}) {
+      entry.session_id = NewId(ids.sessions, entry.session_id, *tile);
     }
   }
   for (TileKeyframe& keyframe : tile->keyframes) {

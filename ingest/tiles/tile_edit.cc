@@ -80,9 +80,9 @@ void AppendLandmark(const Tile& source, uint32_t landmark_idx, Tile* target) {
   target->landmark_ids.push_back(source.landmark_ids[landmark_idx]);
   target->x_in_tile.push_back(source.x_in_tile[landmark_idx]);
   target->sigma_codes.push_back(source.sigma_codes[landmark_idx]);
-  AppendRange(source.sightings, source.sighting_begin[landmark_idx],
-              source.sighting_begin[landmark_idx + 1], &target->sightings);
-  target->sighting_begin.push_back(static_cast<uint32_t>(target->sightings.size()));
+  AppendRange(source.history, source.history_begin[landmark_idx],
+              source.history_begin[landmark_idx + 1], &target->history);
+  target->history_begin.push_back(static_cast<uint32_t>(target->history.size()));
   const size_t begin = source.descriptor_begin[landmark_idx];
   const size_t end = source.descriptor_begin[landmark_idx + 1];
   AppendRange(source.codes, begin, end, &target->codes, source.code_size);
@@ -99,7 +99,7 @@ Tile EmptyTile(TileId tile_id, CodebookId codebook_id, int code_size) {
   tile.codebook_id = codebook_id;
   tile.code_size = code_size;
   tile.descriptor_begin = {0};
-  tile.sighting_begin = {0};
+  tile.history_begin = {0};
   tile.keyframe_begin = {0};
   return tile;
 }
@@ -108,14 +108,14 @@ Tile PickLandmarks(const Tile& tile, std::span<const uint32_t> landmarks) {
   return Pick(tile, landmarks, [](const TileKeyframe&) { return true; });
 }
 
-void ReplaceSightings(const std::vector<std::vector<LandmarkSighting>>& sightings, Tile* tile) {
-  CAIRN_CHECK(sightings.size() == tile->num_landmarks(),
+void ReplaceHistories(const std::vector<std::vector<HistoryEntry>>& histories, Tile* tile) {
+  CAIRN_CHECK(histories.size() == tile->num_landmarks(),
               "there must be one history for each landmark");
-  tile->sightings.clear();
-  tile->sighting_begin = {0};
-  for (const std::vector<LandmarkSighting>& of_landmark : sightings) {
-    Append(of_landmark, &tile->sightings);
-    tile->sighting_begin.push_back(static_cast<uint32_t>(tile->sightings.size()));
+  tile->history.clear();
+  tile->history_begin = {0};
+  for (const std::vector<HistoryEntry>& of_landmark : histories) {
+    Append(of_landmark, &tile->history);
+    tile->history_begin.push_back(static_cast<uint32_t>(tile->history.size()));
   }
 }
 
@@ -126,21 +126,21 @@ Tile PickKeyframes(const Tile& tile, const std::function<bool(const TileKeyframe
 }
 
 Tile WithoutSession(Tile tile, SessionId session_id) {
-  std::vector<std::vector<LandmarkSighting>> sightings;
+  std::vector<std::vector<HistoryEntry>> histories;
   std::vector<uint32_t> seen_by_others;
   for (uint32_t i = 0; i < tile.num_landmarks(); ++i) {
-    const std::span<const LandmarkSighting> all = tile.SightingsOf(i);
-    std::vector<LandmarkSighting>& others = sightings.emplace_back(all.begin(), all.end());
-    const bool had_session = std::erase_if(others, [&](const LandmarkSighting& sighting) {
-                               return sighting.session_id == session_id;
+    const std::span<const HistoryEntry> all = tile.HistoryOf(i);
+    std::vector<HistoryEntry>& others = histories.emplace_back(all.begin(), all.end());
+    const bool had_session = std::erase_if(others, [&](const HistoryEntry& entry) {
+                               return entry.session_id == session_id;
                              }) > 0;
     const bool is_seen = std::any_of(others.begin(), others.end(),
-                                     [](const auto& sighting) { return sighting.num_sights > 0; });
+                                     [](const auto& entry) { return entry.num_observations > 0; });
     if (is_seen || !had_session) {
       seen_by_others.push_back(i);
     }
   }
-  ReplaceSightings(sightings, &tile);
+  ReplaceHistories(histories, &tile);
   return Pick(tile, seen_by_others,
               [&](const TileKeyframe& keyframe) { return keyframe.session_id != session_id; });
 }
@@ -172,8 +172,8 @@ void AppendTile(const Tile& other, Tile* tile) {
   Append(other.x_in_tile, &tile->x_in_tile);
   Append(other.sigma_codes, &tile->sigma_codes);
   AppendOffsets(other.descriptor_begin, &tile->descriptor_begin);
-  AppendOffsets(other.sighting_begin, &tile->sighting_begin);
-  Append(other.sightings, &tile->sightings);
+  AppendOffsets(other.history_begin, &tile->history_begin);
+  Append(other.history, &tile->history);
   Append(other.codes, &tile->codes);
   Append(other.orientation_codes, &tile->orientation_codes);
   Append(other.size_codes, &tile->size_codes);

@@ -17,7 +17,7 @@ namespace cairn {
 Tile EmptyTile(TileId tile_id, CodebookId codebook_id, int code_size);
 
 // Adds a landmark of another tile of the same codebook: its position, history and descriptors, but
-// no keyframe's sight of it.
+// no keyframe's observation of it.
 void AppendLandmark(const Tile& source, uint32_t landmark_idx, Tile* target);
 
 // The tile with just these landmarks (distinct indices), in this order, and all its keyframes.
@@ -27,9 +27,9 @@ Tile PickLandmarks(const Tile& tile, std::span<const uint32_t> landmarks);
 Tile PickKeyframes(const Tile& tile, const std::function<bool(const TileKeyframe&)>& keep);
 
 // Gives each landmark another history.
-void ReplaceSightings(const std::vector<std::vector<LandmarkSighting>>& sightings, Tile* tile);
+void ReplaceHistories(const std::vector<std::vector<HistoryEntry>>& histories, Tile* tile);
 
-// The tile without the keyframes of a session, without its sightings, and without the landmarks
+// The tile without the keyframes of a session, without its history, and without the landmarks
 // that no other session saw. Positions and descriptors of landmarks that others saw, too, stay as
 // they are: a session's share in them cannot be told apart.
 Tile WithoutSession(Tile tile, SessionId session_id);

@@ -204,19 +204,19 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile) {
   CAIRN_CHECK(chances.size() == tile->num_landmarks(),
               "there must be one number for each landmark");
-  std::vector<std::vector<LandmarkSighting>> histories;
+  std::vector<std::vector<HistoryEntry>> histories;
   for (size_t i = 0; i < chances.size(); ++i) {
-    const std::span<const LandmarkSighting> before = tile->SightingsOf(i);
-    std::vector<LandmarkSighting>& history = histories.emplace_back(before.begin(), before.end());
+    const std::span<const HistoryEntry> before = tile->HistoryOf(i);
+    std::vector<HistoryEntry>& history = histories.emplace_back(before.begin(), before.end());
     const auto num_chances = static_cast<uint8_t>(std::min(chances[i], 255));
     if (!history.empty() && history.back().session_id == session_id) {
-      LandmarkSighting& own = history.back();
+      HistoryEntry& own = history.back();
       own.num_chances = std::max(own.num_chances, num_chances);
     } else if (num_chances > 0) {
-      AppendSighting({session_id, 0, num_chances}, &history);
+      AppendToHistory({session_id, 0, num_chances}, &history);
     }
   }
-  ReplaceSightings(histories, tile);
+  ReplaceHistories(histories, tile);
 }
 
 std::vector<KeyframeId> ReplacedKeyframes(const Tile& tile, const ViewpointOptions& options) {

@@ -30,7 +30,7 @@ std::vector<int> CountChances(const Tile& tile, SessionId session_id,
                               const ViewpointOptions& options);
 
 // Writes the chances of a session into the histories of the landmarks. A landmark that the session
-// missed gets a sighting without sights.
+// missed gets an entry without observations.
 void NoteChances(const std::vector<int>& chances, SessionId session_id, Tile* tile);
 
 // Returns the keyframes whose viewpoint two newer sessions share. The newest session shows what the

@@ -157,9 +157,9 @@ class WorldBuilder {
   void FillLandmarks(const std::vector<BenchLandmark>& landmarks, MapUpdate* update, Tile* tile) {
     const uint64_t first_id = Value(update->ReserveLandmarkIds(landmarks.size()));
     tile->sigma_codes.assign(landmarks.size(), SigmaCode(kLandmarkSigmaM));
-    tile->sightings.assign(landmarks.size(), {session_id_, 2, 2});
-    tile->sighting_begin.resize(landmarks.size() + 1);
-    std::iota(tile->sighting_begin.begin(), tile->sighting_begin.end(), 0u);
+    tile->history.assign(landmarks.size(), {session_id_, 2, 2});
+    tile->history_begin.resize(landmarks.size() + 1);
+    std::iota(tile->history_begin.begin(), tile->history_begin.end(), 0u);
     tile->descriptor_begin.push_back(0);
     for (size_t i = 0; i < landmarks.size(); ++i) {
       const BenchLandmark& landmark = landmarks[i];

@@ -143,20 +143,20 @@ class SimulatedMapping::ChunkMaker {
 
   void Observe(const CityRegion& region, uint64_t place_id, size_t image_idx) {
     Image& image = images_[image_idx];
-    const std::vector<Sighting> sightings = DetectLandmarks(
+    const std::vector<Detection> detections = DetectLandmarks(
         region, camera_, chunk_.cam_from_site[image_idx], options_.detector, image.id, place_id);
-    image.observations.reserve(sightings.size());
-    for (const Sighting& sighting : sightings) {
+    image.observations.reserve(detections.size());
+    for (const Detection& detection : detections) {
       Observation observation;
-      observation.landmark = sighting.look.landmark;
-      observation.ornament = sighting.look.ornament;
-      observation.thing = ThingOf(*sighting.landmark);
-      observation.view = ViewOf(observation.thing, sighting.look);
-      observation.track = TrackOf(sighting.look, image.pass);
-      observation.keypoint = sighting.keypoint;
-      observation.azimuth_rad = static_cast<float>(sighting.look.view_azimuth_rad);
-      observation.elevation_rad = static_cast<float>(sighting.look.view_elevation_rad);
-      observation.log2_scale = static_cast<float>(sighting.look.log2_scale);
+      observation.landmark = detection.look.landmark;
+      observation.ornament = detection.look.ornament;
+      observation.thing = ThingOf(*detection.landmark);
+      observation.view = ViewOf(observation.thing, detection.look);
+      observation.track = TrackOf(detection.look, image.pass);
+      observation.keypoint = detection.keypoint;
+      observation.azimuth_rad = static_cast<float>(detection.look.view_azimuth_rad);
+      observation.elevation_rad = static_cast<float>(detection.look.view_elevation_rad);
+      observation.log2_scale = static_cast<float>(detection.look.log2_scale);
       HashedRandom wrong(HashOf(image.id, kWrongStream, observation.landmark));
       if (wrong.Chance(options_.noise.wrong_observation_share)) {
         observation.is_wrong = true;
@@ -282,7 +282,8 @@ class SimulatedMapping::ChunkMaker {
       const int end = std::min(count, (batch + 1) * kTriangulationBatch);
       for (int i = batch * kTriangulationBatch; i < end; ++i) {
         ReconLandmark& landmark = reconstruction.landmarks[static_cast<size_t>(i)];
-        if (const auto x_in_world = TriangulatePoint(ViewsOf(reconstruction, landmark))) {
+        if (const auto x_in_world =
+                TriangulatePoint(PointObservationsOf(reconstruction, landmark))) {
           landmark.x_in_world = *x_in_world;
           is_found[static_cast<size_t>(i)] = 1;
         }

@@ -48,7 +48,7 @@ class Detector {
         place_id_(place_id),
         min_cos_(std::cos(options.max_view_angle_rad)) {}
 
-  std::vector<Sighting> Detect() {
+  std::vector<Detection> Detect() {
     for (const RegionSurface& surface : region_.surfaces()) {
       if (MayBeSeen(surface)) {
         Look(surface);
@@ -57,16 +57,16 @@ class Detector {
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
       return a.response != b.response ? a.response > b.response : a.landmark->id < b.landmark->id;
     });
-    std::vector<Sighting> sightings;
+    std::vector<Detection> detections;
     for (const Candidate& candidate : candidates_) {
-      if (static_cast<int>(sightings.size()) == options_.max_keypoints) {
+      if (static_cast<int>(detections.size()) == options_.max_keypoints) {
         break;
       }
       if (!IsInCrowd(candidate) && !region_.IsHidden(center_, candidate.landmark->x_in_site)) {
-        sightings.push_back(See(candidate));
+        detections.push_back(See(candidate));
       }
     }
-    return sightings;
+    return detections;
   }
 
  private:
@@ -153,22 +153,23 @@ class Detector {
     return HashedRandom(HashOf(place_id_, kCrowdStream, sector)).Chance(options_.crowd_share);
   }
 
-  Sighting See(const Candidate& candidate) const {
+  Detection See(const Candidate& candidate) const {
     const CityLandmark& landmark = *candidate.landmark;
     HashedRandom random(HashOf(image_id_, kNoiseStream, landmark.id));
-    Sighting sighting;
-    sighting.landmark = &landmark;
-    sighting.range_m = candidate.x_in_cam.norm();
+    Detection detection;
+    detection.landmark = &landmark;
+    detection.range_m = candidate.x_in_cam.norm();
     const double sigma_px = options_.position_noise * KeypointSigmaPx(candidate.scale_px);
     const double x_px = candidate.pixel.x() + sigma_px * random.Normal();
     const double y_px = candidate.pixel.y() + sigma_px * random.Normal();
-    sighting.keypoint.x_px = static_cast<float>(std::clamp<double>(x_px, 0.0, camera_.width_px()));
-    sighting.keypoint.y_px = static_cast<float>(std::clamp<double>(y_px, 0.0, camera_.height_px()));
-    sighting.keypoint.scale_px = static_cast<float>(
+    detection.keypoint.x_px = static_cast<float>(std::clamp<double>(x_px, 0.0, camera_.width_px()));
+    detection.keypoint.y_px =
+        static_cast<float>(std::clamp<double>(y_px, 0.0, camera_.height_px()));
+    detection.keypoint.scale_px = static_cast<float>(
         candidate.scale_px * std::exp(options_.log_scale_sigma * random.Normal()));
-    sighting.keypoint.orientation_rad = static_cast<float>(OrientationRad(candidate, &random));
-    FillLook(candidate, &sighting.look);
-    return sighting;
+    detection.keypoint.orientation_rad = static_cast<float>(OrientationRad(candidate, &random));
+    FillLook(candidate, &detection.look);
+    return detection;
   }
 
   double OrientationRad(const Candidate& candidate, HashedRandom* random) const {
@@ -226,9 +227,9 @@ void DetectorOptions::Validate() const {
   RequireWithin("detector.crowd_share", crowd_share, 0.0, 1.0);
 }
 
-std::vector<Sighting> DetectLandmarks(const CityRegion& region, const Camera& camera,
-                                      const Rigid3d& cam_from_site, const DetectorOptions& options,
-                                      uint64_t image_id, uint64_t place_id) {
+std::vector<Detection> DetectLandmarks(const CityRegion& region, const Camera& camera,
+                                       const Rigid3d& cam_from_site, const DetectorOptions& options,
+                                       uint64_t image_id, uint64_t place_id) {
   return Detector(region, camera, cam_from_site, options, image_id, place_id).Detect();
 }
 

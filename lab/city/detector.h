@@ -40,22 +40,22 @@ struct DetectorOptions {
 };
 
 // One keypoint and the landmark that it shows.
-struct Sighting {
+struct Detection {
   const CityLandmark* landmark = nullptr;  // In the region.
   Keypoint keypoint;                       // With noise.
   DescriptorLook look;  // All fields but the appearance mode, which is the image's.
   double range_m = 0.0;
 };
 
-// Returns the sightings from the strongest to the weakest. A landmark is found if it is in the
+// Returns the detections from the strongest to the weakest. A landmark is found if it is in the
 // image, near, large, frontal and salient enough, and not hidden. `region` must reach max_range_m
 // around the camera.
 //
 // `image_id` names the image and determines all noise. Images of one rig at one moment share their
 // `place_id`, and thereby see the same crowd.
-std::vector<Sighting> DetectLandmarks(const CityRegion& region, const Camera& camera,
-                                      const Rigid3d& cam_from_site, const DetectorOptions& options,
-                                      uint64_t image_id, uint64_t place_id);
+std::vector<Detection> DetectLandmarks(const CityRegion& region, const Camera& camera,
+                                       const Rigid3d& cam_from_site, const DetectorOptions& options,
+                                       uint64_t image_id, uint64_t place_id);
 
 }  // namespace cairn
 

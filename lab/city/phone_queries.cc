@@ -185,22 +185,22 @@ void PhoneQueries::FillFeatures(int query_idx, const std::unordered_set<uint64_t
       BoxAroundPoint(cam_from_site.Inverse().translation.head<2>(), options_.detector.max_range_m),
       options_.time_years);
   const uint64_t image_id = HashOf(options_.seed, kImageStream, query_idx);
-  const std::vector<Sighting> sightings =
+  const std::vector<Detection> detections =
       DetectLandmarks(region, camera_, cam_from_site, options_.detector, image_id, image_id);
   const auto mode = static_cast<uint32_t>(
       HashedRandom(HashOf(image_id, kModeStream)).Index(options_.num_appearance_modes));
 
   features->descriptors.resize(options_.num_keypoints, DescriptorModel::kDim);
   const auto add = [&](bool is_mapped, int max_count) {
-    for (const Sighting& sighting : sightings) {
+    for (const Detection& detection : detections) {
       if (max_count <= 0) {
         break;
       }
-      if (mapped.contains(sighting.look.landmark) == is_mapped) {
-        DescriptorLook look = sighting.look;
+      if (mapped.contains(detection.look.landmark) == is_mapped) {
+        DescriptorLook look = detection.look;
         look.appearance_mode = mode;
         features->descriptors.row(features->size()) = model_.Describe(look);
-        features->keypoints.push_back(sighting.keypoint);
+        features->keypoints.push_back(detection.keypoint);
         --max_count;
       }
     }

@@ -136,30 +136,30 @@ class Tracker {
   }
 
   std::vector<fusion::TrackedFeature> Track(const Rigid3d& cam_from_site, uint64_t frame_id) {
-    const std::vector<Sighting> sightings = DetectLandmarks(
+    const std::vector<Detection> detections = DetectLandmarks(
         region_, options_.camera, cam_from_site, detector_, frame_id, HashOf(options_.seed));
     std::map<uint64_t, uint64_t> followed;
     std::vector<fusion::TrackedFeature> features;
-    const auto add = [&](const Sighting& sighting, uint64_t track_id) {
-      HashedRandom random(HashOf(frame_id, kTrackStream, sighting.look.landmark));
-      const double x_px = sighting.keypoint.x_px + options_.pixel_sigma * random.Normal();
-      const double y_px = sighting.keypoint.y_px + options_.pixel_sigma * random.Normal();
+    const auto add = [&](const Detection& detection, uint64_t track_id) {
+      HashedRandom random(HashOf(frame_id, kTrackStream, detection.look.landmark));
+      const double x_px = detection.keypoint.x_px + options_.pixel_sigma * random.Normal();
+      const double y_px = detection.keypoint.y_px + options_.pixel_sigma * random.Normal();
       if (!random.Chance(options_.lost_share)) {
         features.push_back({track_id, {x_px, y_px}});
-        followed[sighting.look.landmark] = track_id;
+        followed[detection.look.landmark] = track_id;
       }
     };
-    for (const Sighting& sighting : sightings) {
-      if (const auto track = tracks_.find(sighting.look.landmark); track != tracks_.end()) {
-        add(sighting, track->second);
+    for (const Detection& detection : detections) {
+      if (const auto track = tracks_.find(detection.look.landmark); track != tracks_.end()) {
+        add(detection, track->second);
       }
     }
-    for (const Sighting& sighting : sightings) {
+    for (const Detection& detection : detections) {
       if (static_cast<int>(features.size()) >= options_.num_tracks) {
         break;
       }
-      if (!tracks_.contains(sighting.look.landmark)) {
-        add(sighting, next_track_id_++);
+      if (!tracks_.contains(detection.look.landmark)) {
+        add(detection, next_track_id_++);
       }
     }
     tracks_ = std::move(followed);

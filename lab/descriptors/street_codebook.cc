@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
+#include "cli/demo/street/reconstruct_known_poses.h"
 #include "cli/demo/street/street_scene.h"
 #include "core/require.h"
-#include "core/scene/reconstruct_known_poses.h"
 #include "ingest/codebook/train_codebook.h"
 
 namespace cairn {

@@ -139,8 +139,8 @@ class Simulator {
     std::shuffle(visible.begin(), visible.end(), random_);
     std::erase_if(track_of_landmark_,
                   [&](const auto&) { return Uniform(0.0, 1.0) < options_.track_loss; });
-    std::stable_partition(visible.begin(), visible.end(), [&](const auto& sight) {
-      return track_of_landmark_.contains(sight.first);
+    std::stable_partition(visible.begin(), visible.end(), [&](const auto& observation) {
+      return track_of_landmark_.contains(observation.first);
     });
     std::map<int, uint64_t> kept;
     std::normal_distribution<double> noise(0.0, options_.track_sigma_px);

@@ -1,4 +1,4 @@
-// The point that the most views of a track agree on.
+// The point that the most observations of a track agree on.
 #ifndef CAIRN_MAPPING_GROWTH_CONSISTENT_POINT_H_
 #define CAIRN_MAPPING_GROWTH_CONSISTENT_POINT_H_
 
@@ -17,15 +17,17 @@ inline constexpr double kMinRayAngleSigmas = 6.0;
 
 struct ConsistentPoint {
   Eigen::Vector3d x_in_world;
-  std::vector<int> views;  // Those that agree, at least two, ascending.
+  std::vector<int> observations;  // Those that agree, at least two, ascending.
 };
 
-// Triangulates a point from views of which some may be wrong: those agree whose reprojection error
-// is at most four standard deviations, as in the adjustment. Starts from the views that agree with
-// `guess`, if at least two do, else from all views, else from pairs of them, wide apart first.
-// Nothing if fewer than two views agree or their rays span less than kMinRayAngleSigmas.
+// Triangulates a point from observations of which some may be wrong: those agree whose reprojection
+// error is at most four standard deviations, as in the adjustment. Starts from the observations
+// that agree with `guess`, if at least two do, else from all observations, else from pairs of them,
+// wide apart first. Nothing if fewer than two observations agree or their rays span less than
+// kMinRayAngleSigmas.
 std::optional<ConsistentPoint> TriangulateConsistent(
-    const std::vector<PointView>& views, const std::optional<Eigen::Vector3d>& guess = {});
+    const std::vector<PointObservation>& observations,
+    const std::optional<Eigen::Vector3d>& guess = {});
 
 }  // namespace cairn
 

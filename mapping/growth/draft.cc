@@ -77,19 +77,19 @@ bool Draft::IsNewCamera(int camera_idx) const {
                       [&](const ReconImage& image) { return image.camera_idx == camera_idx; });
 }
 
-std::vector<LandmarkSight> Draft::SightsOf(int photo) const {
+std::vector<LandmarkObservation> Draft::ObservationsOf(int photo) const {
   const std::vector<Keypoint>& keypoints = set_.photos[photo].keypoints;
-  std::vector<LandmarkSight> sights;
+  std::vector<LandmarkObservation> observations;
   for (int i = 0; i < static_cast<int>(keypoints.size()); ++i) {
     const int track = tracks_.track_of_keypoint[photo][i];
     if (track >= 0 && landmark_of_track_[track] >= 0) {
-      sights.push_back({i,
-                        {keypoints[i].x_px, keypoints[i].y_px},
-                        KeypointSigmaPx(keypoints[i].scale_px),
-                        model_.landmarks[landmark_of_track_[track]].x_in_world});
+      observations.push_back({i,
+                              {keypoints[i].x_px, keypoints[i].y_px},
+                              KeypointSigmaPx(keypoints[i].scale_px),
+                              model_.landmarks[landmark_of_track_[track]].x_in_world});
     }
   }
-  return sights;
+  return observations;
 }
 
 std::vector<int> Draft::CountObservations() const {
@@ -191,12 +191,12 @@ std::optional<ReconLandmark> Draft::MakeLandmark(int track) const {
   if (landmark_of_track_[track] >= 0) {
     guess = model_.landmarks[landmark_of_track_[track]].x_in_world;
   }
-  const auto point = TriangulateConsistent(ViewsOf(model_, {{}, observations}), guess);
+  const auto point = TriangulateConsistent(PointObservationsOf(model_, {{}, observations}), guess);
   if (!point) {
     return std::nullopt;
   }
   ReconLandmark landmark{point->x_in_world, {}};
-  for (const int i : point->views) {
+  for (const int i : point->observations) {
     landmark.observations.push_back(observations[i]);
   }
   return landmark;

@@ -43,7 +43,7 @@ class Draft {
   void SetCamera(int camera_idx, const Camera& camera) { model_.cameras[camera_idx] = camera; }
 
   // The landmarks that the keypoints of a photo outside of the draft see by their tracks.
-  std::vector<LandmarkSight> SightsOf(int photo) const;
+  std::vector<LandmarkObservation> ObservationsOf(int photo) const;
   // Observations of each photo of the draft; 0 for others.
   std::vector<int> CountObservations() const;
 

@@ -30,7 +30,7 @@ struct Refusals {
   explicit Refusals(size_t num_photos)
       : since_adjustment(num_photos, 0), joined(num_photos, 0), lost(num_photos, 0) {}
 
-  int Sights(int photo) const { return std::max(since_adjustment[photo], lost[photo]); }
+  int Observations(int photo) const { return std::max(since_adjustment[photo], lost[photo]); }
 
   std::vector<int> since_adjustment;  // An adjustment may change the verdict.
   std::vector<int> joined;            // When they last joined the draft.
@@ -167,9 +167,10 @@ class Grower {
       const bool is_neighbor =
           std::any_of(graph_.ViewsOf(photo).begin(), graph_.ViewsOf(photo).end(),
                       [&](int view) { return draft.Has(graph_.OtherOf(view, photo)); });
-      const int num_sights = is_neighbor ? static_cast<int>(draft.SightsOf(photo).size()) : 0;
-      if (num_sights >= options_.min_inliers &&
-          num_sights > kRetryGrowth * refusals.Sights(photo)) {
+      const int num_observations =
+          is_neighbor ? static_cast<int>(draft.ObservationsOf(photo).size()) : 0;
+      if (num_observations >= options_.min_inliers &&
+          num_observations > kRetryGrowth * refusals.Observations(photo)) {
         candidates.push_back(photo);
       }
     }
@@ -188,7 +189,7 @@ class Grower {
     for (const Proposal& proposal : proposals) {
       verdicts_[proposal.photo] = proposal.verdict;
       if (proposal.verdict != PhotoVerdict::kInSegment) {
-        refusals->since_adjustment[proposal.photo] = proposal.num_sights;
+        refusals->since_adjustment[proposal.photo] = proposal.num_observations;
         continue;
       }
       const int camera_idx = set_.photos[proposal.photo].camera_idx;
@@ -196,7 +197,7 @@ class Grower {
         draft->SetCamera(camera_idx, proposal.pose->camera);
       }
       draft->Add(proposal.photo, proposal.pose->cam_from_world);
-      refusals->joined[proposal.photo] = proposal.num_sights;
+      refusals->joined[proposal.photo] = proposal.num_observations;
       added.push_back(proposal.photo);
       // Until the draft is finished, the photo is not taken.
       verdicts_[proposal.photo] = PhotoVerdict::kLostSupport;
@@ -224,7 +225,7 @@ class Grower {
     draft->Remove(photos);
     for (const int photo : photos) {
       refusals->lost[photo] = std::max({refusals->lost[photo], refusals->joined[photo],
-                                        static_cast<int>(draft->SightsOf(photo).size())});
+                                        static_cast<int>(draft->ObservationsOf(photo).size())});
     }
   }
 

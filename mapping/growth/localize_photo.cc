@@ -15,43 +15,44 @@
 namespace cairn {
 namespace {
 
-struct SightRays {
+struct ObservationRays {
   std::vector<RayObservation> rays;  // In random order.
-  std::vector<int> sight_of_ray;
+  std::vector<int> observation_of_ray;
 };
 
-SightRays MakeSightRays(const Camera& camera, const std::vector<LandmarkSight>& sights,
-                        uint64_t seed) {
-  std::vector<int> order(sights.size());
+ObservationRays MakeObservationRays(const Camera& camera,
+                                    const std::vector<LandmarkObservation>& observations,
+                                    uint64_t seed) {
+  std::vector<int> order(observations.size());
   std::iota(order.begin(), order.end(), 0);
   Random random(seed);
   for (int i = static_cast<int>(order.size()) - 1; i > 0; --i) {
     std::swap(order[i], order[random.Index(i + 1)]);
   }
-  SightRays result;
+  ObservationRays result;
   for (const int i : order) {
-    if (const auto ray = camera.Unproject(sights[i].pixel)) {
+    if (const auto ray = camera.Unproject(observations[i].pixel)) {
       RayObservation observation;
       observation.ray_in_cam = *ray;
-      observation.x_in_anchor = sights[i].x_in_world;
-      observation.threshold_rad = kMaxDraftSigmas * sights[i].sigma_px / camera.focal_px();
-      observation.keypoint_idx = sights[i].keypoint_idx;
+      observation.x_in_anchor = observations[i].x_in_world;
+      observation.threshold_rad = kMaxDraftSigmas * observations[i].sigma_px / camera.focal_px();
+      observation.keypoint_idx = observations[i].keypoint_idx;
       result.rays.push_back(observation);
-      result.sight_of_ray.push_back(i);
+      result.observation_of_ray.push_back(i);
     }
   }
   return result;
 }
 
 // See LoRansac for the contract of the methods.
-class SightProblem {
+class ObservationProblem {
  public:
   using Model = Eigen::Matrix<double, 3, 4>;  // cam_from_world.
   static constexpr int kMaxModels = 4;
 
-  SightProblem(const Camera& camera, const std::vector<LandmarkSight>& sights,
-               const SightRays& rays)
-      : camera_(camera), sights_(sights), rays_(rays), consensus_(rays.rays) {}
+  ObservationProblem(const Camera& camera, const std::vector<LandmarkObservation>& observations,
+                     const ObservationRays& rays)
+      : camera_(camera), observations_(observations), rays_(rays), consensus_(rays.rays) {}
 
   int SampleModels(Random* random, std::array<Model, kMaxModels>* models) const {
     const int count = static_cast<int>(rays_.rays.size());
@@ -110,30 +111,30 @@ class SightProblem {
   std::vector<PoseObservation> Observations(const std::vector<int>& inliers) const {
     std::vector<PoseObservation> observations;
     for (const int i : inliers) {
-      const LandmarkSight& sight = sights_[rays_.sight_of_ray[i]];
-      observations.push_back({sight.pixel, sight.x_in_world});
+      const LandmarkObservation& observation = observations_[rays_.observation_of_ray[i]];
+      observations.push_back({observation.pixel, observation.x_in_world});
     }
     return observations;
   }
 
   const Camera& camera_;
-  const std::vector<LandmarkSight>& sights_;
-  const SightRays& rays_;
+  const std::vector<LandmarkObservation>& observations_;
+  const ObservationRays& rays_;
   ConsensusSet consensus_;
 };
 
 }  // namespace
 
 std::optional<LocalizedPhoto> LocalizePhoto(std::span<const Camera> cameras,
-                                            const std::vector<LandmarkSight>& sights,
+                                            const std::vector<LandmarkObservation>& observations,
                                             int min_inliers, uint64_t seed) {
   std::optional<LocalizedPhoto> best;
   for (const Camera& camera : cameras) {
-    const SightRays rays = MakeSightRays(camera, sights, seed);
+    const ObservationRays rays = MakeObservationRays(camera, observations, seed);
     if (static_cast<int>(rays.rays.size()) < min_inliers) {
       continue;
     }
-    SightProblem problem(camera, sights, rays);
+    ObservationProblem problem(camera, observations, rays);
     const auto result = LoRansac(&problem, RansacOptions(), seed);
     if (!result.model) {
       continue;

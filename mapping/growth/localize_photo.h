@@ -14,14 +14,14 @@
 namespace cairn {
 
 // A keypoint and the landmark that it sees.
-struct LandmarkSight {
+struct LandmarkObservation {
   int keypoint_idx = 0;
   Eigen::Vector2d pixel;
   double sigma_px = 1.0;  // Of the pixel, per axis.
   Eigen::Vector3d x_in_world;
 };
 
-// A sight is an inlier up to this error in standard deviations: twice what an adjusted model
+// An observation is an inlier up to this error in standard deviations: twice what an adjusted model
 // allows, because neither the landmarks of a draft nor its cameras are adjusted to this photo.
 inline constexpr double kMaxDraftSigmas = 8.0;
 
@@ -33,9 +33,10 @@ struct LocalizedPhoto {
 
 // Finds the pose with the most inliers by P3P and RANSAC and refines it. `cameras` has the
 // candidates for the intrinsics of the photo; the one with the most inliers wins, the first if
-// several have as many. Nothing if fewer than `min_inliers` sights agree. Deterministic by seed.
+// several have as many. Nothing if fewer than `min_inliers` observations agree. Deterministic by
+// seed.
 std::optional<LocalizedPhoto> LocalizePhoto(std::span<const Camera> cameras,
-                                            const std::vector<LandmarkSight>& sights,
+                                            const std::vector<LandmarkObservation>& observations,
                                             int min_inliers, uint64_t seed);
 
 }  // namespace cairn

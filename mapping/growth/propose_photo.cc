@@ -75,8 +75,8 @@ bool Proposer::IsElsewhere(const GpsCheck& gps, const Testimony& testimony, int 
 Proposal Proposer::Localize(const Draft& draft, int photo) const {
   Proposal proposal;
   proposal.photo = photo;
-  const std::vector<LandmarkSight> sights = draft.SightsOf(photo);
-  proposal.num_sights = static_cast<int>(sights.size());
+  const std::vector<LandmarkObservation> observations = draft.ObservationsOf(photo);
+  proposal.num_observations = static_cast<int>(observations.size());
   const int camera_idx = set_.photos[photo].camera_idx;
   const Camera& camera = draft.CameraOf(photo);
   std::vector<Camera> cameras = {camera};
@@ -86,7 +86,7 @@ Proposal Proposer::Localize(const Draft& draft, int photo) const {
     }
   }
   proposal.pose =
-      LocalizePhoto(cameras, sights, options_.min_inliers, SeedOf(photo, draft.num_photos()));
+      LocalizePhoto(cameras, observations, options_.min_inliers, SeedOf(photo, draft.num_photos()));
   return proposal;
 }
 
@@ -119,12 +119,12 @@ bool Proposer::IsBeyondDoubt(const Testimony& testimony) const {
 }
 
 bool Proposer::LooksLikeOneOf(const Draft& draft, int photo, const LocalizedPhoto& pose) const {
-  const std::vector<LandmarkSight> sights = draft.SightsOf(photo);
+  const std::vector<LandmarkObservation> observations = draft.ObservationsOf(photo);
   std::vector<Eigen::Vector3d> seen;
-  for (const LandmarkSight& sight : sights) {
-    const auto pixel = pose.camera.Project(pose.cam_from_world * sight.x_in_world);
-    if (pixel && (*pixel - sight.pixel).norm() <= kMaxDraftSigmas * sight.sigma_px) {
-      seen.push_back(sight.x_in_world);
+  for (const LandmarkObservation& observation : observations) {
+    const auto pixel = pose.camera.Project(pose.cam_from_world * observation.x_in_world);
+    if (pixel && (*pixel - observation.pixel).norm() <= kMaxDraftSigmas * observation.sigma_px) {
+      seen.push_back(observation.x_in_world);
     }
   }
   return std::any_of(draft.photos().begin(), draft.photos().end(), [&](int other) {

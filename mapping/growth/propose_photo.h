@@ -17,7 +17,7 @@ namespace cairn {
 // The pose that a photo would have in a draft, or the reason why it has none.
 struct Proposal {
   int photo = 0;
-  int num_sights = 0;
+  int num_observations = 0;
   PhotoVerdict verdict = PhotoVerdict::kTooFewInliers;
   std::optional<LocalizedPhoto> pose;
 };

@@ -46,17 +46,17 @@ enum Column {  // In the order of the declaration; x_m, y_m, z_m are in the tile
 
 enum Plan { kAllTiles = 0, kOneTile = 1 };
 
-SessionId FirstSession(std::span<const LandmarkSighting> sightings) {
-  const auto first = std::find_if(sightings.begin(), sightings.end(), [](const auto& sighting) {
-    return sighting.session_id != SessionId{} && sighting.num_sights > 0;
+SessionId FirstSession(std::span<const HistoryEntry> history) {
+  const auto first = std::find_if(history.begin(), history.end(), [](const auto& entry) {
+    return entry.session_id != SessionId{} && entry.num_observations > 0;
   });
-  return first == sightings.end() ? SessionId{} : first->session_id;
+  return first == history.end() ? SessionId{} : first->session_id;
 }
 
-SessionId LastSession(std::span<const LandmarkSighting> sightings) {
-  const auto last = std::find_if(sightings.rbegin(), sightings.rend(),
-                                 [](const auto& sighting) { return sighting.num_sights > 0; });
-  return last == sightings.rend() ? SessionId{} : last->session_id;
+SessionId LastSession(std::span<const HistoryEntry> history) {
+  const auto last = std::find_if(history.rbegin(), history.rend(),
+                                 [](const auto& entry) { return entry.num_observations > 0; });
+  return last == history.rend() ? SessionId{} : last->session_id;
 }
 
 // SQLite knows only the base classes. It stores pointers to them and passes the pointers back.
@@ -105,13 +105,13 @@ class Cursor : public sqlite3_vtab_cursor {
       case kTile:
         return sqlite3_result_text(context, tile_name_.c_str(), -1, SQLITE_TRANSIENT);
       case kSessionId:
-        return PutId(FirstSession(tile_.SightingsOf(i)), context);
+        return PutId(FirstSession(tile_.HistoryOf(i)), context);
       case kLastSessionId:
-        return PutId(LastSession(tile_.SightingsOf(i)), context);
+        return PutId(LastSession(tile_.HistoryOf(i)), context);
       case kNumSights:
-        return sqlite3_result_int64(context, Sum(i, &LandmarkSighting::num_sights));
+        return sqlite3_result_int64(context, Sum(i, &HistoryEntry::num_observations));
       case kNumChances:
-        return sqlite3_result_int64(context, Sum(i, &LandmarkSighting::num_chances));
+        return sqlite3_result_int64(context, Sum(i, &HistoryEntry::num_chances));
       case kX:
       case kY:
       case kZ:
@@ -140,10 +140,10 @@ class Cursor : public sqlite3_vtab_cursor {
                              : sqlite3_result_int64(context, Value(id));
   }
 
-  int64_t Sum(size_t landmark_idx, uint8_t LandmarkSighting::*count) const {
+  int64_t Sum(size_t landmark_idx, uint8_t HistoryEntry::*count) const {
     int64_t sum = 0;
-    for (const LandmarkSighting& sighting : tile_.SightingsOf(landmark_idx)) {
-      sum += sighting.*count;
+    for (const HistoryEntry& entry : tile_.HistoryOf(landmark_idx)) {
+      sum += entry.*count;
     }
     return sum;
   }

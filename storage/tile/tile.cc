@@ -91,19 +91,19 @@ bool IsPose(const Rigid3d& pose) {
          std::abs(pose.rotation.squaredNorm() - 1.0) < 1e-6;
 }
 
-std::string FindSightingProblem(const Tile& tile) {
-  if (!AreOffsets(tile.sighting_begin, tile.num_landmarks(), tile.sightings.size())) {
-    return "offsets of sightings do not fit";
+std::string FindHistoryProblem(const Tile& tile) {
+  if (!AreOffsets(tile.history_begin, tile.num_landmarks(), tile.history.size())) {
+    return "offsets of histories do not fit";
   }
   for (size_t i = 0; i < tile.num_landmarks(); ++i) {
-    const std::span<const LandmarkSighting> sightings = tile.SightingsOf(i);
-    if (sightings.size() > Tile::kMaxSightings) {
-      return "landmark " + std::to_string(i) + " has too many sightings";
+    const std::span<const HistoryEntry> history = tile.HistoryOf(i);
+    if (history.size() > Tile::kMaxHistory) {
+      return "landmark " + std::to_string(i) + " has too many entries in its history";
     }
-    for (size_t j = 0; j < sightings.size(); ++j) {
-      if (sightings[j].num_sights > sightings[j].num_chances ||
-          (j > 0 && sightings[j].session_id <= sightings[j - 1].session_id)) {
-        return "sightings of landmark " + std::to_string(i) + " make no sense";
+    for (size_t j = 0; j < history.size(); ++j) {
+      if (history[j].num_observations > history[j].num_chances ||
+          (j > 0 && history[j].session_id <= history[j - 1].session_id)) {
+        return "the history of landmark " + std::to_string(i) + " makes no sense";
       }
     }
   }
@@ -112,7 +112,7 @@ std::string FindSightingProblem(const Tile& tile) {
 
 size_t Tile::MemoryBytes() const {
   return HeapBytes(landmark_ids) + HeapBytes(x_in_tile) + HeapBytes(sigma_codes) +
-         HeapBytes(descriptor_begin) + HeapBytes(sighting_begin) + HeapBytes(sightings) +
+         HeapBytes(descriptor_begin) + HeapBytes(history_begin) + HeapBytes(history) +
          HeapBytes(codes) + HeapBytes(orientation_codes) + HeapBytes(size_codes) +
          HeapBytes(azimuth_codes) + HeapBytes(weight_codes) + HeapBytes(keyframes) +
          HeapBytes(keyframe_begin) + HeapBytes(keyframe_landmarks);
@@ -140,7 +140,7 @@ std::string FindTileProblem(const Tile& tile) {
   if (!AreOffsets(tile.descriptor_begin, num_landmarks, num_descriptors)) {
     return "the offsets of descriptors are inconsistent";
   }
-  if (const std::string problem = FindSightingProblem(tile); !problem.empty()) {
+  if (const std::string problem = FindHistoryProblem(tile); !problem.empty()) {
     return problem;
   }
   const auto off_grid = std::find_if_not(tile.x_in_tile.begin(), tile.x_in_tile.end(), IsOnGrid);
@@ -182,8 +182,8 @@ double SizeFromCode(uint8_t code) { return code == kUnknownSizeCode ? 0.0 : From
 uint8_t SigmaCode(double sigma_m) { return LogCode(sigma_m, 1); }
 double SigmaFromCode(uint8_t code) { return FromLogCode(code); }
 
-uint8_t WeightCode(double num_sights) {
-  return static_cast<uint8_t>(std::lround(std::clamp(4.0 * num_sights, 1.0, 255.0)));
+uint8_t WeightCode(double num_observations) {
+  return static_cast<uint8_t>(std::lround(std::clamp(4.0 * num_observations, 1.0, 255.0)));
 }
 double WeightFromCode(uint8_t code) { return code / 4.0; }
 

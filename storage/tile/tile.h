@@ -20,13 +20,13 @@ struct TileKeyframe {
   Rigid3d cam_from_tile;
 };
 
-// The sights of a landmark by the keyframes of one session in the tile.
-struct LandmarkSighting {
-  SessionId session_id{};   // 0 sums up the sessions that are older than the other sightings.
-  uint8_t num_sights = 0;   // Keyframes that saw it; 255 stands for 255 or more.
-  uint8_t num_chances = 0;  // Keyframes that should have seen it, num_sights at least.
+// The observations of a landmark by the keyframes of one session in the tile.
+struct HistoryEntry {
+  SessionId session_id{};        // 0 sums up the sessions that are older than the other entries.
+  uint8_t num_observations = 0;  // Keyframes that saw it; 255 stands for 255 or more.
+  uint8_t num_chances = 0;       // Keyframes that should have seen it, num_observations at least.
 
-  bool operator==(const LandmarkSighting&) const = default;
+  bool operator==(const HistoryEntry&) const = default;
 };
 
 // The landmarks seen by the keyframes that stand in the tile. Structure of arrays; the descriptors
@@ -50,17 +50,17 @@ struct Tile {
   std::vector<uint32_t> descriptor_begin;
 
   // The history of each landmark: sessions in the order of ingest, each at most once, at most
-  // kMaxSightings. Sessions that had no chance to see it are not in it.
-  static constexpr size_t kMaxSightings = 5;
-  std::vector<uint32_t> sighting_begin;  // num_landmarks + 1 offsets into the next array.
-  std::vector<LandmarkSighting> sightings;
+  // kMaxHistory. Sessions that had no chance to see it are not in it.
+  static constexpr size_t kMaxHistory = 5;
+  std::vector<uint32_t> history_begin;  // num_landmarks + 1 offsets into the next array.
+  std::vector<HistoryEntry> history;
 
   // Per descriptor.
   std::vector<uint8_t> codes;              // num_descriptors x code_size, row-major.
   std::vector<uint8_t> orientation_codes;  // Gravity-rectified, see OrientationFromCode.
   std::vector<uint8_t> size_codes;         // Physical keypoint size, see SizeFromCode.
   std::vector<uint8_t> azimuth_codes;      // Direction from landmark to camera, as orientation.
-  std::vector<uint8_t> weight_codes;       // Sights behind it, see WeightFromCode.
+  std::vector<uint8_t> weight_codes;       // Observations behind it, see WeightFromCode.
 
   // Covisibility.
   std::vector<TileKeyframe> keyframes;
@@ -76,9 +76,9 @@ struct Tile {
             keyframe_begin[keyframe_idx + 1] - keyframe_begin[keyframe_idx]};
   }
 
-  std::span<const LandmarkSighting> SightingsOf(size_t landmark_idx) const {
-    return {sightings.data() + sighting_begin[landmark_idx],
-            sighting_begin[landmark_idx + 1] - sighting_begin[landmark_idx]};
+  std::span<const HistoryEntry> HistoryOf(size_t landmark_idx) const {
+    return {history.data() + history_begin[landmark_idx],
+            history_begin[landmark_idx + 1] - history_begin[landmark_idx]};
   }
 
   // Returns the heap bytes in use.
@@ -110,9 +110,9 @@ double SizeFromCode(uint8_t code);
 uint8_t SigmaCode(double sigma_m);
 double SigmaFromCode(uint8_t code);
 
-// Number of sights behind a descriptor, in quarters from 1/4 to 63.75, clamped. Sights of old
-// sessions count less than one each.
-uint8_t WeightCode(double num_sights);
+// Number of observations behind a descriptor, in quarters from 1/4 to 63.75, clamped. Observations
+// of old sessions count less than one each.
+uint8_t WeightCode(double num_observations);
 double WeightFromCode(uint8_t code);
 
 // The nearest position a tile can hold; coordinates are clamped to [-4096 m, 4096 m). The position

@@ -16,7 +16,7 @@ inline constexpr int kMaxPositionSteps = 1 << 20;  // Positions lie in [-2^20, 2
 std::string FindTileProblem(const Tile& tile);
 
 // The same of the histories of its landmarks, whose number must be set.
-std::string FindSightingProblem(const Tile& tile);
+std::string FindHistoryProblem(const Tile& tile);
 
 // True if the transform is finite and its quaternion of unit norm.
 bool IsPose(const Rigid3d& pose);

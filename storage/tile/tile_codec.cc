@@ -67,20 +67,20 @@ std::array<double, kNumPoseNumbers> PoseNumbers(const Rigid3d& pose) {
   return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
 }
 
-void PutSightings(const Tile& tile, TileColumnWriter* writer) {
+void PutHistories(const Tile& tile, TileColumnWriter* writer) {
   std::vector<uint8_t> counts(tile.num_landmarks());
   for (size_t i = 0; i < counts.size(); ++i) {
-    counts[i] = static_cast<uint8_t>(tile.SightingsOf(i).size());
+    counts[i] = static_cast<uint8_t>(tile.HistoryOf(i).size());
   }
-  std::vector<uint8_t> sights(tile.sightings.size()), chances(tile.sightings.size());
-  for (size_t i = 0; i < tile.sightings.size(); ++i) {
-    sights[i] = tile.sightings[i].num_sights;
-    chances[i] = tile.sightings[i].num_chances;
+  std::vector<uint8_t> observations(tile.history.size()), chances(tile.history.size());
+  for (size_t i = 0; i < tile.history.size(); ++i) {
+    observations[i] = tile.history[i].num_observations;
+    chances[i] = tile.history[i].num_chances;
   }
   writer->Put(counts);
   PutDeltas(
-      tile.sightings, [](const LandmarkSighting& s) { return Value(s.session_id); }, writer);
-  writer->Put(sights);
+      tile.history, [](const HistoryEntry& s) { return Value(s.session_id); }, writer);
+  writer->Put(observations);
   writer->Put(chances);
 }
 
@@ -160,7 +160,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
       tile.landmark_ids, [](LandmarkId id) { return Value(id); }, &writer);
   PutGroupSizes(tile.descriptor_begin, &writer);
   writer.Put(tile.sigma_codes);
-  PutSightings(tile, &writer);
+  PutHistories(tile, &writer);
   PutByteDifferences(tile.orientation_codes, &writer);
   PutByteDifferences(tile.size_codes, &writer);
   PutByteDifferences(tile.azimuth_codes, &writer);
@@ -174,7 +174,7 @@ std::vector<uint8_t> EncodeTile(const Tile& tile, const TileLists& lists) {
   header.tile_id = tile.id.value();
   header.codebook_id = Value(tile.codebook_id);
   header.num_landmarks = static_cast<uint32_t>(tile.num_landmarks());
-  header.num_sightings = static_cast<uint32_t>(tile.sightings.size());
+  header.num_history_entries = static_cast<uint32_t>(tile.history.size());
   header.num_descriptors = static_cast<uint32_t>(tile.num_descriptors());
   header.num_keyframes = static_cast<uint32_t>(tile.num_keyframes());
   header.num_observations = static_cast<uint32_t>(tile.keyframe_landmarks.size());
@@ -201,7 +201,7 @@ std::set<SessionId> SessionsInPayload(std::span<const uint8_t> blob) {
   }
   const TileColumns columns(blob, TileDecodeLimits());
   TileColumnReader reader(columns);
-  for (const size_t column : {kSightingSessionsColumn, kKeyframeSessionsColumn}) {
+  for (const size_t column : {kHistorySessionsColumn, kKeyframeSessionsColumn}) {
     reader.GetSums(column, Difference::kSigned, [&](size_t, std::span<const uint64_t> values) {
       for (const uint64_t value : values) {
         sessions.insert(SessionId(static_cast<int64_t>(value)));

@@ -73,7 +73,7 @@ void PutHeader(const TileHeader& header, uint64_t columns_size, ByteWriter* writ
   writer->Put(header.num_observations);
   writer->Put(header.num_lists);
   writer->Put(header.observations_size);
-  writer->Put(header.num_sightings);
+  writer->Put(header.num_history_entries);
   writer->Put(uint32_t{0});  // Not used.
   writer->Put(columns_size);
   writer->Put(uint64_t{0});  // Placeholder for the checksum.
@@ -91,7 +91,7 @@ TileHeader GetHeader(ByteReader* reader) {
   header.num_observations = reader->Get<uint32_t>();
   header.num_lists = reader->Get<uint32_t>();
   header.observations_size = reader->Get<uint32_t>();
-  header.num_sightings = reader->Get<uint32_t>();
+  header.num_history_entries = reader->Get<uint32_t>();
   if (reader->Get<uint32_t>() != 0) {
     ThrowDamagedTile("has a number where there should be none");
   }
@@ -109,8 +109,8 @@ void CheckHeader(const TileHeader& header, const TileDecodeLimits& limits) {
   if (header.code_size > kMaxCodeSize || (header.code_size == 0 && header.num_descriptors > 0)) {
     ThrowDamagedTile("code size " + std::to_string(header.code_size) + " is out of range");
   }
-  if (header.num_sightings > Tile::kMaxSightings * uint64_t{header.num_landmarks}) {
-    ThrowDamagedTile("has more sightings than landmarks can have");
+  if (header.num_history_entries > Tile::kMaxHistory * uint64_t{header.num_landmarks}) {
+    ThrowDamagedTile("has longer histories than landmarks can have");
   }
   if (header.num_lists > header.num_descriptors) {
     ThrowDamagedTile("has more lists than descriptors");
@@ -131,8 +131,8 @@ size_t TileHeader::ColumnSize(size_t column) const {
   const Range ranges[] = {
       {kListMembersColumn, num_lists},
       {kPositionsColumn, num_members()},
-      {kSightingSessionsColumn, num_landmarks},
-      {kOrientationsColumn, num_sightings},
+      {kHistorySessionsColumn, num_landmarks},
+      {kOrientationsColumn, num_history_entries},
       {kKeyframeIdsColumn, num_descriptors},
       {kPosesColumn, num_keyframes},
       {kObservationCountsColumn, num_keyframes * kNumPoseNumbers * sizeof(double)},
@@ -156,7 +156,7 @@ uint64_t TileHeader::CovisibilitySize() const {
 
 uint64_t TileHeader::TileSize() const {
   return LandmarksSize() + CovisibilitySize() + sizeof(uint32_t) * uint64_t{num_landmarks} +
-         sizeof(LandmarkSighting) * uint64_t{num_sightings} + num_descriptors + codes_size();
+         sizeof(HistoryEntry) * uint64_t{num_history_entries} + num_descriptors + codes_size();
 }
 
 void TileColumnWriter::Put(std::span<const uint8_t> column) {

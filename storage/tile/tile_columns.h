@@ -26,9 +26,9 @@ enum TileColumn : size_t {
   kLandmarkIdsColumn = 16,
   kDescriptorCountsColumn = 24,
   kSigmasColumn = 28,
-  kSightingCountsColumn = 29,
-  kSightingSessionsColumn = 30,
-  kSightsColumn = 38,
+  kHistoryCountsColumn = 29,
+  kHistorySessionsColumn = 30,
+  kHistoryObservationsColumn = 38,
   kChancesColumn = 39,
   kOrientationsColumn = 40,
   kSizesColumn = 41,
@@ -49,7 +49,7 @@ struct TileHeader {
   uint64_t tile_id = 0;
   int64_t codebook_id = 0;
   uint32_t num_landmarks = 0;
-  uint32_t num_sightings = 0;
+  uint32_t num_history_entries = 0;
   uint32_t num_descriptors = 0;
   uint32_t num_keyframes = 0;
   uint32_t num_observations = 0;

@@ -138,23 +138,24 @@ void GetLandmarks(const TileHeader& header, TileColumnReader* reader, const Land
   GetByteSums(kAzimuthsColumn, header.num_descriptors, reader, to.azimuth_codes);
 }
 
-void GetSightings(const TileHeader& header, TileColumnReader* reader, Tile* tile) {
-  tile->sighting_begin = {0};
-  for (const uint8_t count : reader->Get(kSightingCountsColumn)) {
-    tile->sighting_begin.push_back(tile->sighting_begin.back() + count);
+void GetHistories(const TileHeader& header, TileColumnReader* reader, Tile* tile) {
+  tile->history_begin = {0};
+  for (const uint8_t count : reader->Get(kHistoryCountsColumn)) {
+    tile->history_begin.push_back(tile->history_begin.back() + count);
   }
-  if (tile->sighting_begin.back() != header.num_sightings) {
-    ThrowDamagedTile("counts of sightings do not add up");
+  if (tile->history_begin.back() != header.num_history_entries) {
+    ThrowDamagedTile("counts of histories do not add up");
   }
-  std::vector<SessionId> sessions(header.num_sightings);
-  GetIds(kSightingSessionsColumn, reader, sessions.data());
-  std::vector<uint8_t> sights(header.num_sightings), chances(header.num_sightings);
-  reader->Get(kSightsColumn, sights);
+  std::vector<SessionId> sessions(header.num_history_entries);
+  GetIds(kHistorySessionsColumn, reader, sessions.data());
+  std::vector<uint8_t> observations(header.num_history_entries),
+      chances(header.num_history_entries);
+  reader->Get(kHistoryObservationsColumn, observations);
   reader->Get(kChancesColumn, chances);
   for (size_t i = 0; i < sessions.size(); ++i) {
-    tile->sightings.push_back({sessions[i], sights[i], chances[i]});
+    tile->history.push_back({sessions[i], observations[i], chances[i]});
   }
-  if (const std::string problem = FindSightingProblem(*tile); !problem.empty()) {
+  if (const std::string problem = FindHistoryProblem(*tile); !problem.empty()) {
     ThrowDamagedTile(problem);
   }
 }
@@ -301,7 +302,7 @@ Tile DecodeTileColumns(const TileColumns& columns, std::span<const uint32_t> mem
                {tile.landmark_ids.data(), tile.x_in_tile.data(), tile.sigma_codes.data(),
                 tile.descriptor_begin.data(), tile.orientation_codes.data(), tile.size_codes.data(),
                 tile.azimuth_codes.data()});
-  GetSightings(header, &reader, &tile);
+  GetHistories(header, &reader, &tile);
   tile.weight_codes.resize(num_descriptors);
   reader.Get(kWeightsColumn, tile.weight_codes);
   tile.keyframes = GetKeyframes(header.num_keyframes, &reader);

@@ -103,7 +103,7 @@ PoseHypothesis HypothesisOf(const Eigen::Vector3d& center_in_anchor, double evid
     hypothesis.estimate.right_probabilities.push_back(1.0);
     Correspondence& match = correspondences.emplace_back();
     match.keypoint_idx = keypoint_idx;
-    match.x_in_anchor = center_in_anchor + Eigen::Vector3d(0, 0, 10);  // In sight.
+    match.x_in_anchor = center_in_anchor + Eigen::Vector3d(0, 0, 10);  // In view.
   }
   hypothesis.correspondences =
       std::make_shared<const std::vector<Correspondence>>(std::move(correspondences));

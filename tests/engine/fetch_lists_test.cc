@@ -65,9 +65,10 @@ class FetchListsTest : public ::testing::Test {
     with_keyframes.keyframes.assign(covisibility.keyframes.begin(), covisibility.keyframes.end());
     EXPECT_TRUE(testing::SameTile(with_keyframes, tile_));
     expect_same(searchable.codes(), tile_.codes);
-    const LandmarkSightings sightings(tile_, tile_);
+    const LandmarkKeyframes expected(tile_, tile_);
     for (const LandmarkId id : tile_.landmark_ids) {
-      expect_same(searchable.sightings().KeyframesThatSaw(id), sightings.KeyframesThatSaw(id));
+      expect_same(searchable.landmark_keyframes().KeyframesThatSaw(id),
+                  expected.KeyframesThatSaw(id));
     }
   }
 
@@ -150,25 +151,25 @@ TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneOfEachPart) {
   const size_t num_bytes = searchable->MemoryBytes();
   std::vector<const TileLandmarks*> landmarks(8, nullptr);
   std::vector<const TileCovisibility*> covisibilities(8, nullptr);
-  std::vector<const LandmarkSightings*> sightings(8, nullptr);
+  std::vector<const LandmarkKeyframes*> found(8, nullptr);
   {
     std::vector<std::jthread> threads;
     for (size_t i = 0; i < landmarks.size(); ++i) {
       threads.emplace_back([&, i] {
         if (i % 4 == 1) {  // Any part may come first.
-          sightings[i] = &searchable->sightings();
+          found[i] = &searchable->landmark_keyframes();
         } else if (i % 2 == 0) {
           landmarks[i] = &searchable->landmarks();
         }
         covisibilities[i] = &searchable->covisibility();
         landmarks[i] = &searchable->landmarks();
-        sightings[i] = &searchable->sightings();
+        found[i] = &searchable->landmark_keyframes();
       });
     }
   }
   EXPECT_THAT(landmarks, ::testing::Each(landmarks.front()));
   EXPECT_THAT(covisibilities, ::testing::Each(covisibilities.front()));
-  EXPECT_THAT(sightings, ::testing::Each(sightings.front()));
+  EXPECT_THAT(found, ::testing::Each(found.front()));
   ExpectContent(*searchable);
   EXPECT_EQ(searchable->MemoryBytes(), num_bytes);
   const size_t session_bytes = tile_.num_landmarks() * sizeof(SessionId);  // Are not kept.
@@ -188,8 +189,8 @@ TEST_F(FetchListsTest, AHalfOfATileThatDoesNotDecodeIsDamagedEveryTime) {
     EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->places(); }), ErrorCode::kMapDamaged);
     EXPECT_EQ(ErrorCodeOf([&] { bad_rest->covisibility(); }), ErrorCode::kMapDamaged);
     EXPECT_EQ(ErrorCodeOf([&] { bad_rest->codes(); }), ErrorCode::kMapDamaged);
-    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->sightings(); }), ErrorCode::kMapDamaged);
-    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->sightings(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_landmarks->landmark_keyframes(); }), ErrorCode::kMapDamaged);
+    EXPECT_EQ(ErrorCodeOf([&] { bad_rest->landmark_keyframes(); }), ErrorCode::kMapDamaged);
   }
   EXPECT_EQ(bad_landmarks->covisibility().keyframe_landmarks.size(),
             tile_.keyframe_landmarks.size());

@@ -87,7 +87,9 @@ TEST_F(LocalizerDeadline, AColdQueryInAHurryAnswersFromAPartOfTheIndex) {
   // Whether or not the rest has been built by now.
   const LocalizeResult again = cold.Localize(unhurried);
   ExpectSameAnswer(again, expected);
-  EXPECT_FALSE(again.counters.is_cut_short());
+  EXPECT_FALSE(again.counters.tiles_cut_short);
+  EXPECT_FALSE(again.counters.matching_cut_short);
+  EXPECT_FALSE(again.counters.pose_cut_short);
 }
 
 TEST_F(LocalizerDeadline, QueriesWithTimeAreNotAffectedByThoseInAHurry) {

@@ -63,11 +63,11 @@ inline Tile SimpleTile(const std::vector<SimpleLandmark>& landmarks,
   tile.codebook_id = CodebookId{1};
   tile.code_size = 2;
   tile.descriptor_begin = {0};
-  tile.sighting_begin = {0};
+  tile.history_begin = {0};
   for (const SimpleLandmark& landmark : landmarks) {
     tile.landmark_ids.push_back(LandmarkId{landmark.id});
-    tile.sightings.push_back({SessionId{1}, 2, 2});
-    tile.sighting_begin.push_back(static_cast<uint32_t>(tile.sightings.size()));
+    tile.history.push_back({SessionId{1}, 2, 2});
+    tile.history_begin.push_back(static_cast<uint32_t>(tile.history.size()));
     tile.x_in_tile.push_back(QuantizePosition(landmark.x_in_tile));
     tile.sigma_codes.push_back(SigmaCode(0.05));
     for (const SimpleDescriptor& descriptor : landmark.descriptors) {

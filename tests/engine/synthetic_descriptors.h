@@ -195,7 +195,7 @@ inline double LandmarkRecall(const SyntheticDescriptors& data,
   return static_cast<double>(num_recalled) / num_known;
 }
 
-// Distance below which nine tenths of a landmark's sights are.
+// Distance below which nine tenths of a landmark's observations are.
 inline double Threshold(const SyntheticDescriptors& data) {
   return SameLandmarkDistance(*data.codebook, 0.9);
 }

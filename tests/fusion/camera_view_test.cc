@@ -80,9 +80,10 @@ TEST_P(JacobianTest, ByRig) {
 
 TEST_P(JacobianTest, MapRowsKnowNothingOfUnobservableDirections) {
   const Rigid3d global_from_local(ExpSo3({0.0, 0.0, 0.8}), Eigen::Vector3d(30.0, -20.0, 5.0));
-  const MapSight sight{0, 0, {100.0, 100.0}, global_from_local * x_in_local_, 0.05, 1};
+  const MapObservation observation{0, 0, {100.0, 100.0}, global_from_local * x_in_local_, 0.05, 1};
   const std::vector<CameraView> views = ViewsOfClones(state_);
-  const auto rows = LinearizeSight(camera_, state_.rig(), views, global_from_local, sight, 1.0);
+  const auto rows =
+      LinearizeObservation(camera_, state_.rig(), views, global_from_local, observation, 1.0);
   ASSERT_TRUE(rows.has_value());
   // A shift of local moves clones by d and rho by -d; a turn by e_z turns the clones, psi by -1.
   Eigen::Matrix<double, 2, 3> shift = rows->by_clone.rightCols<3>() - rows->by_global.leftCols<3>();

@@ -17,12 +17,12 @@ constexpr int kWindow = 16;
 class FinishedTracks : public ::testing::Test {
  protected:
   // Frames 1 to `num_frames`, each with a clone; the track with id n is seen in the first
-  // `num_sights[n]` of them.
-  void See(int num_frames, const std::vector<int>& num_sights) {
+  // `num_observations[n]` of them.
+  void See(int num_frames, const std::vector<int>& num_observations) {
     for (int frame = 1; frame <= num_frames; ++frame) {
       std::vector<TrackedFeature> features;
-      for (size_t id = 0; id < num_sights.size(); ++id) {
-        if (frame <= num_sights[id]) {
+      for (size_t id = 0; id < num_observations.size(); ++id) {
+        if (frame <= num_observations[id]) {
           features.push_back({id, {300.0 + frame, 200.0}});
         }
       }
@@ -55,7 +55,7 @@ TEST_F(FinishedTracks, ATrackThatEndedIsTakenWhole) {
   ASSERT_EQ(finished.size(), 1u);
   EXPECT_EQ(finished[0].track_id, 0u);
   EXPECT_FALSE(finished[0].goes_on);
-  EXPECT_THAT(FramesOf(finished[0].sights), ElementsAre(1, 2, 3));
+  EXPECT_THAT(FramesOf(finished[0].observations), ElementsAre(1, 2, 3));
   EXPECT_THAT(FramesLeft(0), IsEmpty());
   EXPECT_THAT(FramesLeft(1), ElementsAre(1, 2, 3, 4));
 }
@@ -66,16 +66,16 @@ TEST_F(FinishedTracks, ATrackThatGoesOnIsTakenWhenItsCloneLeavesTheWindow) {
   const std::vector<FinishedTrack> finished = Take(3);
   ASSERT_EQ(finished.size(), 1u);
   EXPECT_TRUE(finished[0].goes_on);
-  EXPECT_THAT(FramesOf(finished[0].sights), ElementsAre(1, 2, 3));
+  EXPECT_THAT(FramesOf(finished[0].observations), ElementsAre(1, 2, 3));
   EXPECT_THAT(FramesLeft(0), ElementsAre(4));  // Begins the next part.
 }
 
-TEST_F(FinishedTracks, ReservedSightsStay) {
+TEST_F(FinishedTracks, ReservedObservationsStay) {
   See(4, {3, 4});
   tracks_.SetReserved(1, true);
   const std::vector<FinishedTrack> finished = Take(3);  // Frame 1 leaves, but waits for an answer.
   ASSERT_EQ(finished.size(), 1u);
-  EXPECT_THAT(FramesOf(finished[0].sights), ElementsAre(2, 3));
+  EXPECT_THAT(FramesOf(finished[0].observations), ElementsAre(2, 3));
   EXPECT_THAT(FramesLeft(0), ElementsAre(1));
   EXPECT_THAT(FramesLeft(1), ElementsAre(1, 2, 3, 4));
 }

@@ -48,7 +48,8 @@ std::map<uint64_t, Eigen::Vector2d> ById(std::span<const TrackedFeature> feature
   return by_id;
 }
 
-// Median and largest distance of features seen in both from where `move` takes the first sight.
+// Median and largest distance of features seen in both from where `move` takes the first
+// observation.
 template <typename Move>
 std::pair<double, double> Errors(const std::map<uint64_t, Eigen::Vector2d>& before,
                                  const std::map<uint64_t, Eigen::Vector2d>& after,

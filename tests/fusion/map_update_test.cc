@@ -27,7 +27,7 @@ TEST_P(MapUpdate, CompressedRowsHoldTheInformationOfAll) {
   const Rigid3d global_from_local(ExpSo3({0.0, 0.0, 0.3}), Eigen::Vector3d(1.0, 2.0, 3.0));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<MapSight> sights;
+  std::vector<MapObservation> observations;
   for (int i = 0; i < 60; ++i) {
     const auto& view = views[static_cast<size_t>(i % 4)];
     const double depth_m = 6.0 + 3.0 * uniform(random);
@@ -35,19 +35,20 @@ TEST_P(MapUpdate, CompressedRowsHoldTheInformationOfAll) {
         view.center_in_local +
         view.cam_from_local_rotation.transpose() *
             Eigen::Vector3d(0.4 * uniform(random), 0.3 * uniform(random), 1.0) * depth_m;
-    sights.push_back({i,
-                      i % 4,
-                      {300.0 + 20.0 * uniform(random), 200.0},
-                      global_from_local * x,
-                      0.02,
-                      static_cast<uint64_t>(i % 2)});
+    observations.push_back({i,
+                            i % 4,
+                            {300.0 + 20.0 * uniform(random), 200.0},
+                            global_from_local * x,
+                            0.02,
+                            static_cast<uint64_t>(i % 2)});
   }
-  AddTiles(sights, &state);
+  AddTiles(observations, &state);
   std::vector<MapRows> rows;
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(120, state.dim());
   Eigen::VectorXd r(120);
-  for (size_t i = 0; i < sights.size(); ++i) {
-    rows.push_back(*LinearizeSight(camera, state.rig(), views, global_from_local, sights[i], 1.0));
+  for (size_t i = 0; i < observations.size(); ++i) {
+    rows.push_back(
+        *LinearizeObservation(camera, state.rig(), views, global_from_local, observations[i], 1.0));
     const auto row = static_cast<Eigen::Index>(2 * i);
     h.block<2, 6>(row, state.CloneIdx(rows[i].clone)) = rows[i].by_clone;
     h.block<2, 4>(row, kGlobalIdx) = rows[i].by_global.leftCols<4>();

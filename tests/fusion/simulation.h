@@ -23,7 +23,7 @@ struct SimulationOptions {
   double frame_rate_hz = 10.0;
   int num_features = 150;
   double pixel_sigma_px = 1.0;
-  double outlier_fraction = 0.0;  // Share of tracked sights that are off by up to 30 px.
+  double outlier_fraction = 0.0;  // Share of tracked observations that are off by up to 30 px.
   double track_loss = 0.03;       // Probability that a track ends, per frame.
   int landmarks_per_meter = 25;   // Along the path.
   // If max_depth_m is positive, landmarks are placed in view of the frames between these depths

@@ -60,7 +60,7 @@ class TrackWithMapDistance : public ::testing::TestWithParam<bool> {
       clone.local_from_imu.translation += error.tail<3>();
       const auto seen = PredictPixel(camera_, CameraView(state_.rig(), clone), x_in_local);
       ASSERT_TRUE(seen.has_value());
-      sights_.push_back({clone.frame_id, seen->pixel, seen->x_in_cam.normalized(), false});
+      observations_.push_back({clone.frame_id, seen->pixel, seen->x_in_cam.normalized(), false});
     }
     const auto error = error_.segment<kGlobalDim>(kGlobalIdx);
     const Rigid3d global_from_local =
@@ -85,13 +85,13 @@ class TrackWithMapDistance : public ::testing::TestWithParam<bool> {
   }
 
   std::optional<TrackRows> Linearize(const std::optional<MapDistance>& distance) const {
-    return LinearizeTrack(state_, camera_, ViewsOfClones(state_), sights_, {}, distance);
+    return LinearizeTrack(state_, camera_, ViewsOfClones(state_), observations_, {}, distance);
   }
 
   Camera camera_;
   FilterState state_;
   Eigen::VectorXd error_;
-  std::vector<Observation> sights_;
+  std::vector<Observation> observations_;
   MapDistance distance_;
 };
 

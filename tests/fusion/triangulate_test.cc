@@ -9,7 +9,8 @@
 namespace cairn::fusion {
 namespace {
 
-// Sights of one point by a camera that moves along its view, 6 to 60 cm from sight to sight.
+// Observations of one point by a camera that moves along its view, 6 to 60 cm from observation to
+// observation.
 class TriangulateTest : public ::testing::Test {
  protected:
   TriangulateTest() : camera_(CameraModel::kPinhole, 640, 480, {460.0, 460.0, 320.0, 240.0}) {}
@@ -39,7 +40,7 @@ class TriangulateTest : public ::testing::Test {
 
   // What the views see of `x`; false if it is out of some picture.
   bool Observe(const Eigen::Vector3d& x, double sigma_px) {
-    sights_.clear();
+    observations_.clear();
     for (const CameraView& view : views_) {
       const auto predicted = PredictPixel(camera_, view, x);
       if (!predicted) {
@@ -50,7 +51,7 @@ class TriangulateTest : public ::testing::Test {
       if (!ray) {
         return false;
       }
-      sights_.push_back({&view, pixel, *ray});
+      observations_.push_back({&view, pixel, *ray});
     }
     return true;
   }
@@ -58,9 +59,9 @@ class TriangulateTest : public ::testing::Test {
   // Sum of squared residuals in pixels; infinite if some view does not see `x`.
   double Cost(const Eigen::Vector3d& x) const {
     double cost = 0.0;
-    for (const Sight& sight : sights_) {
-      const auto predicted = PredictPixel(camera_, *sight.view, x);
-      cost += predicted ? (sight.pixel - predicted->pixel).squaredNorm() : INFINITY;
+    for (const PosedObservation& observation : observations_) {
+      const auto predicted = PredictPixel(camera_, *observation.view, x);
+      cost += predicted ? (observation.pixel - predicted->pixel).squaredNorm() : INFINITY;
     }
     return cost;
   }
@@ -68,17 +69,17 @@ class TriangulateTest : public ::testing::Test {
   std::mt19937_64 random_{7};
   Camera camera_;
   std::vector<CameraView> views_;
-  std::vector<Sight> sights_;
+  std::vector<PosedObservation> observations_;
 };
 
-TEST_F(TriangulateTest, FindsThePointOfExactSights) {
+TEST_F(TriangulateTest, FindsThePointOfExactObservations) {
   int num_found = 0;
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector3d x = MakeViews(2 + i % 9, std::exp(Uniform(0.0, 4.0)));
     if (!Observe(x, 0.0)) {
       continue;
     }
-    const auto found = Triangulate(camera_, sights_, 0.01, {});
+    const auto found = Triangulate(camera_, observations_, 0.01, {});
     if (found) {
       ++num_found;
       EXPECT_LT((*found - x).norm(), 1e-4 * x.norm());
@@ -95,10 +96,10 @@ TEST_F(TriangulateTest, ADistanceKnownBeforehandMakesUpForAShortBaseline) {
     if (!Observe(x, 0.0)) {
       continue;
     }
-    num_refused += Triangulate(camera_, sights_, 1.0, {}).has_value() ? 0 : 1;
+    num_refused += Triangulate(camera_, observations_, 1.0, {}).has_value() ? 0 : 1;
     const Eigen::Vector3d across = x.unitOrthogonal();
-    const auto found =
-        Triangulate(camera_, sights_, 1.0, {}, PlanePrior{x + 0.3 * across, x.normalized(), 0.05});
+    const auto found = Triangulate(camera_, observations_, 1.0, {},
+                                   PlanePrior{x + 0.3 * across, x.normalized(), 0.05});
     ASSERT_TRUE(found.has_value());
     EXPECT_LT((*found - x).norm(), 0.01);
   }
@@ -106,7 +107,7 @@ TEST_F(TriangulateTest, ADistanceKnownBeforehandMakesUpForAShortBaseline) {
 }
 
 // With poses that are off, as those of a filter that has just started, the rays to a far point may
-// part. The point is then not known, or at least where the sights say: it never explains them
+// part. The point is then not known, or at least where the observations say: it never explains them
 // worse than the true one does.
 TEST_F(TriangulateTest, NeverStopsShortOfTheMinimum) {
   int num_found = 0;
@@ -119,7 +120,7 @@ TEST_F(TriangulateTest, NeverStopsShortOfTheMinimum) {
     for (size_t k = 0; k < views_.size(); ++k) {
       views_[k].center_in_local += static_cast<double>(k) * drift;
     }
-    const auto found = Triangulate(camera_, sights_, 1.0, {});
+    const auto found = Triangulate(camera_, observations_, 1.0, {});
     if (found) {
       ++num_found;
       EXPECT_LT(Cost(*found), 1.001 * Cost(x))

@@ -31,7 +31,7 @@ std::vector<ControlPoint> PointsOf(const StreetWorld& world, const Reconstructio
       const auto pixel = world.camera().Project(image.cam_from_world *
                                                 (world.options().world_from_enu * x_in_enu));
       if (pixel && world.camera().Contains(*pixel)) {
-        point.sights.push_back({image.name, *pixel});
+        point.observations.push_back({image.name, *pixel});
       }
     }
   }
@@ -77,15 +77,15 @@ TEST(ControlPoints, SaysWhichPointsDoNotCountAndWhy) {
   std::vector<Eigen::Vector3d> spread = kSpread;
   spread.emplace_back(42.0, -8.0, 2.0);
   std::vector<ControlPoint> points = PointsOf(world, street, spread);
-  points[3].sights.resize(1);
-  ASSERT_GT(points[4].sights.size(), 2u);
-  points[4].sights.resize(2);
-  points[4].sights[1].pixel.y() += 300.0;
+  points[3].observations.resize(1);
+  ASSERT_GT(points[4].observations.size(), 2u);
+  points[4].observations.resize(2);
+  points[4].observations[1].pixel.y() += 300.0;
   const Georegistration result = GeoregisterByControl(street, points, {});
   EXPECT_EQ(result.num_positions, 3);
   EXPECT_THAT(result.notes, ElementsAre(HasSubstr("p4 does not count: 1 photos"),
                                         HasSubstr("p5 does not count: the rays")));
-  points[2].sights.clear();
+  points[2].observations.clear();
   ExpectError([&] { GeoregisterByControl(street, points, {}); }, ErrorCode::kBadInput,
               "at least 3 are needed; the control point p3");
 }
@@ -103,8 +103,8 @@ TEST(ControlPoints, PhotosOfAnotherModelAreRefused) {
   const Reconstruction street = world.Reconstruct();
   std::vector<ControlPoint> points = PointsOf(world, street, kSpread);
   for (ControlPoint& point : points) {
-    for (ControlSight& sight : point.sights) {
-      sight.image_name = "other_" + sight.image_name;
+    for (ControlObservation& observation : point.observations) {
+      observation.image_name = "other_" + observation.image_name;
     }
   }
   ExpectError([&] { GeoregisterByControl(street, points, {}); }, ErrorCode::kBadInput,
@@ -120,7 +120,7 @@ class ControlPointFiles : public ::testing::Test {
   TempDir dir_;
 };
 
-TEST_F(ControlPointFiles, HaveARowForEachSight) {
+TEST_F(ControlPointFiles, HaveARowForEachObservation) {
   const std::vector<ControlPoint> points = Read(
       "point,image,x_px,y_px,lat_deg,lon_deg,h_m,accuracy_m\n"
       "door,a.jpg,10.5,20,47,8,400,0.02\n"
@@ -129,9 +129,9 @@ TEST_F(ControlPointFiles, HaveARowForEachSight) {
   ASSERT_EQ(points.size(), 2u);
   EXPECT_EQ(points[0].name, "door");
   EXPECT_EQ(points[0].accuracy_m, 0.02);
-  ASSERT_EQ(points[0].sights.size(), 2u);
-  EXPECT_EQ(points[0].sights[1].image_name, "b, 2.jpg");
-  EXPECT_EQ(points[1].sights[0].pixel, Eigen::Vector2d(300, 40.25));
+  ASSERT_EQ(points[0].observations.size(), 2u);
+  EXPECT_EQ(points[0].observations[1].image_name, "b, 2.jpg");
+  EXPECT_EQ(points[1].observations[0].pixel, Eigen::Vector2d(300, 40.25));
 }
 
 TEST_F(ControlPointFiles, FaultsAreNamed) {

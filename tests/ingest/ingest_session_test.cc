@@ -348,8 +348,8 @@ TEST_F(IngestSessionTest, ATileStaysWithinItsBudgetWhateverIsAdded) {
   // Every day is still there.
   std::set<SessionId> sessions;
   for (const Tile& tile : DecodeAll(store_)) {
-    for (const LandmarkSighting& sighting : tile.sightings) {
-      sessions.insert(sighting.session_id);
+    for (const HistoryEntry& entry : tile.history) {
+      sessions.insert(entry.session_id);
     }
   }
   EXPECT_EQ(sessions.size(), 3u);

@@ -7,40 +7,40 @@ namespace {
 
 constexpr SessionId S(int64_t id) { return SessionId(id); }
 
-TEST(AppendSighting, SumsUpTheOldestOnceThereAreTooMany) {
-  std::vector<LandmarkSighting> history;
+TEST(AppendToHistory, SumsUpTheOldestOnceThereAreTooMany) {
+  std::vector<HistoryEntry> history;
   for (int64_t id = 1; id <= 7; ++id) {
-    AppendSighting({S(id), static_cast<uint8_t>(id), 200}, &history);
+    AppendToHistory({S(id), static_cast<uint8_t>(id), 200}, &history);
   }
-  ASSERT_EQ(history.size(), Tile::kMaxSightings);
-  EXPECT_EQ(history[0], (LandmarkSighting{SessionId{}, 1 + 2 + 3, 255}));
-  EXPECT_EQ(history[1], (LandmarkSighting{S(4), 4, 200}));
-  EXPECT_EQ(history[4], (LandmarkSighting{S(7), 7, 200}));
+  ASSERT_EQ(history.size(), Tile::kMaxHistory);
+  EXPECT_EQ(history[0], (HistoryEntry{SessionId{}, 1 + 2 + 3, 255}));
+  EXPECT_EQ(history[1], (HistoryEntry{S(4), 4, 200}));
+  EXPECT_EQ(history[4], (HistoryEntry{S(7), 7, 200}));
 }
 
-TEST(AppendSighting, ASumJoinsTheSum) {
-  std::vector<LandmarkSighting> history = {{SessionId{}, 2, 3}, {S(1), 1, 1}};
-  AppendSighting({SessionId{}, 4, 5}, &history);
-  EXPECT_EQ(history, (std::vector<LandmarkSighting>{{SessionId{}, 6, 8}, {S(1), 1, 1}}));
+TEST(AppendToHistory, ASumJoinsTheSum) {
+  std::vector<HistoryEntry> history = {{SessionId{}, 2, 3}, {S(1), 1, 1}};
+  AppendToHistory({SessionId{}, 4, 5}, &history);
+  EXPECT_EQ(history, (std::vector<HistoryEntry>{{SessionId{}, 6, 8}, {S(1), 1, 1}}));
   history = {{S(1), 1, 1}};
-  AppendSighting({SessionId{}, 4, 5}, &history);
-  EXPECT_EQ(history, (std::vector<LandmarkSighting>{{SessionId{}, 4, 5}, {S(1), 1, 1}}));
+  AppendToHistory({SessionId{}, 4, 5}, &history);
+  EXPECT_EQ(history, (std::vector<HistoryEntry>{{SessionId{}, 4, 5}, {S(1), 1, 1}}));
   history = {{S(1), 1, 2}, {S(2), 1, 2}, {S(3), 1, 2}, {S(4), 1, 2}, {S(5), 1, 2}};
-  AppendSighting({SessionId{}, 4, 5}, &history);
-  ASSERT_EQ(history.size(), Tile::kMaxSightings);
-  EXPECT_EQ(history[0], (LandmarkSighting{SessionId{}, 5, 7}));
-  EXPECT_EQ(history[1], (LandmarkSighting{S(2), 1, 2}));
+  AppendToHistory({SessionId{}, 4, 5}, &history);
+  ASSERT_EQ(history.size(), Tile::kMaxHistory);
+  EXPECT_EQ(history[0], (HistoryEntry{SessionId{}, 5, 7}));
+  EXPECT_EQ(history[1], (HistoryEntry{S(2), 1, 2}));
 }
 
-TEST(ExistenceProbability, ASightProvesIt) {
+TEST(ExistenceProbability, AnObservationProvesIt) {
   const SessionTimes times = {{S(1), 0.0}, {S(2), 5.0}};
-  const std::vector<LandmarkSighting> history = {{S(1), 0, 9}, {S(2), 1, 9}};
+  const std::vector<HistoryEntry> history = {{S(1), 0, 9}, {S(2), 1, 9}};
   EXPECT_DOUBLE_EQ(ExistenceProbability(history, times, {}), 1.0);
 }
 
 TEST(ExistenceProbability, FallsWithEachMissAndWithTime) {
   const SessionTimes times = {{S(1), 0.0}, {S(2), 1.0}, {S(3), 2.0}, {S(4), 7.0}};
-  std::vector<LandmarkSighting> history = {{S(1), 4, 4}};
+  std::vector<HistoryEntry> history = {{S(1), 4, 4}};
   double last = ExistenceProbability(history, times, {});
   for (const int64_t id : {2, 3, 4}) {
     history.push_back({S(id), 0, 3});
@@ -54,14 +54,14 @@ TEST(ExistenceProbability, FallsWithEachMissAndWithTime) {
 
 TEST(ExistenceProbability, OneMissOfALandmarkThatIsRarelySeenSaysLittle) {
   const SessionTimes times = {{S(1), 0.0}, {S(2), 0.1}};
-  const std::vector<LandmarkSighting> rare = {{S(1), 1, 20}, {S(2), 0, 3}};
-  const std::vector<LandmarkSighting> steady = {{S(1), 20, 20}, {S(2), 0, 3}};
+  const std::vector<HistoryEntry> rare = {{S(1), 1, 20}, {S(2), 0, 3}};
+  const std::vector<HistoryEntry> steady = {{S(1), 20, 20}, {S(2), 0, 3}};
   EXPECT_GT(ExistenceProbability(rare, times, {}), ExistenceProbability(steady, times, {}));
 }
 
-TEST(ExpectedSights, IsTheNumberOfSightsWhileNothingIsMissed) {
-  EXPECT_DOUBLE_EQ(ExpectedSights(std::vector<LandmarkSighting>{{S(1), 6, 6}}, {}, {}), 6.0);
-  EXPECT_DOUBLE_EQ(ExpectedSights(std::vector<LandmarkSighting>{{S(1), 3, 6}}, {}, {}), 3.0);
+TEST(ExpectedObservations, IsTheNumberOfObservationsWhileNothingIsMissed) {
+  EXPECT_DOUBLE_EQ(ExpectedObservations(std::vector<HistoryEntry>{{S(1), 6, 6}}, {}, {}), 6.0);
+  EXPECT_DOUBLE_EQ(ExpectedObservations(std::vector<HistoryEntry>{{S(1), 3, 6}}, {}, {}), 3.0);
 }
 
 TEST(TimesOf, CountsYears) {

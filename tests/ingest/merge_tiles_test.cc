@@ -49,7 +49,7 @@ TEST(MergeTiles, JoinsEqualIdsAndAppendsTheOthers) {
   ASSERT_EQ(merged.num_keyframes(), 10u);
   for (size_t i = 0; i < 50; ++i) {
     EXPECT_EQ(merged.landmark_ids[i], tiles.known.landmark_ids[i]);
-    EXPECT_EQ(merged.SightingsOf(i).size(), i < 30 ? 2u : 1u);
+    EXPECT_EQ(merged.HistoryOf(i).size(), i < 30 ? 2u : 1u);
   }
   EXPECT_EQ(merged.keyframe_landmarks.size(),
             tiles.known.keyframe_landmarks.size() + tiles.fresh.keyframe_landmarks.size());
@@ -72,8 +72,8 @@ TEST(MergeTiles, AnEqualLookIsKeptOnceWithTheSumOfTheWeights) {
   const Tile one = PickLandmarks(tiles.known, std::vector<uint32_t>{0});
   Tile same = one;
   same.landmark_ids = {tiles.known.landmark_ids[0]};
-  for (LandmarkSighting& sighting : same.sightings) {
-    sighting.session_id = SessionId(2);
+  for (HistoryEntry& entry : same.history) {
+    entry.session_id = SessionId(2);
   }
   same.keyframes.clear();
   same.keyframe_begin = {0};

@@ -43,8 +43,8 @@ TEST(PlaceBudget, ATileGrowsFreelyUntilThreeSessionsHaveSeenIt) {
 
 TEST(PlaceBudget, HistoriesCountAsSessionsWhoseKeyframesAreGone) {
   Tile tile = TileOfSessions(1);
-  tile.sightings[0].session_id = SessionId(7);
-  tile.sightings[1].session_id = SessionId(8);
+  tile.history[0].session_id = SessionId(7);
+  tile.history[1].session_id = SessionId(8);
   const Tile fresh = TileOfSession(9, 1000);
   EXPECT_TRUE(BytesOfPlace(tile, fresh, fresh).has_value());
 }

@@ -108,9 +108,9 @@ inline WalkShot PlaceOf(const WalkOptions& options, double share) {
 }
 
 // Points of the facades at both sides and of the ground 1.6 m below.
-inline void AddSights(const WalkOptions& options, size_t image_idx, const WalkShot& shot,
-                      const Rigid3d& cam_from_enu, const Sim3d& world_from_enu,
-                      std::mt19937_64* rng, Reconstruction* reconstruction) {
+inline void AddObservations(const WalkOptions& options, size_t image_idx, const WalkShot& shot,
+                            const Rigid3d& cam_from_enu, const Sim3d& world_from_enu,
+                            std::mt19937_64* rng, Reconstruction* reconstruction) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const Rigid3d enu_from_cam = cam_from_enu.Inverse();
   const Eigen::Vector3d left_in_enu(-std::sin(shot.heading_rad), std::cos(shot.heading_rad), 0.0);
@@ -203,8 +203,8 @@ inline Walk MakeWalk(const WalkOptions& options) {
                               GeodeticFromEcef(ecef_from_enu * (shot.x_in_enu + error)),
                               std::max(0.05, 1.5 * sigma_m)});
     if (options.has_facades) {
-      AddSights(options, walk.reconstruction.images.size() - 1, shot, cam_from_enu, world_from_enu,
-                &rng, &walk.reconstruction);
+      AddObservations(options, walk.reconstruction.images.size() - 1, shot, cam_from_enu,
+                      world_from_enu, &rng, &walk.reconstruction);
     }
   }
   if (options.is_mirrored) {
@@ -304,10 +304,10 @@ inline DrawnWalk DrawWalk(uint64_t seed) {
   const int scene = draw(4);
   walk.has_facades = scene > 0;
   walk.ground_share = scene == 1 ? 0.2 : 1.0;
-  drawn.name =
-      fmt::format("{}; {} m; {}; {}; held {}; gps {}; exif {}; {}", kShapes[shape], walk.length_m,
-                  kPitches[pitch], kViews[view], kHolds[hold], walk.gps_sigma_m, kExifs[exif],
-                  std::array{"no sights", "bare ground", "sights", "sights"}[scene]);
+  drawn.name = fmt::format(
+      "{}; {} m; {}; {}; held {}; gps {}; exif {}; {}", kShapes[shape], walk.length_m,
+      kPitches[pitch], kViews[view], kHolds[hold], walk.gps_sigma_m, kExifs[exif],
+      std::array{"no observations", "bare ground", "observations", "observations"}[scene]);
   return drawn;
 }
 

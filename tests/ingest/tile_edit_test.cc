@@ -20,8 +20,8 @@ Tile MakeTile(SessionId session_id, int num_landmarks) {
   Tile tile = EmptyTile(kTileId, CodebookId(1), 2);
   for (int i = 0; i < num_landmarks; ++i) {
     tile.landmark_ids.push_back(LandmarkId(1000 * Value(session_id) + i));
-    tile.sightings.push_back({session_id, 2, 3});
-    tile.sighting_begin.push_back(static_cast<uint32_t>(tile.sightings.size()));
+    tile.history.push_back({session_id, 2, 3});
+    tile.history_begin.push_back(static_cast<uint32_t>(tile.history.size()));
     tile.x_in_tile.push_back(Eigen::Vector3f(static_cast<float>(i), 0.0f, 401.0f));
     tile.sigma_codes.push_back(static_cast<uint8_t>(i));
     for (int d = 0; d <= i % 3; ++d) {
@@ -50,8 +50,8 @@ Tile MakeTile(SessionId session_id, int num_landmarks) {
 
 void ExpectEqual(const Tile& a, const Tile& b) {
   EXPECT_EQ(a.landmark_ids, b.landmark_ids);
-  EXPECT_EQ(a.sighting_begin, b.sighting_begin);
-  EXPECT_EQ(a.sightings, b.sightings);
+  EXPECT_EQ(a.history_begin, b.history_begin);
+  EXPECT_EQ(a.history, b.history);
   EXPECT_EQ(a.weight_codes, b.weight_codes);
   EXPECT_EQ(a.x_in_tile, b.x_in_tile);
   EXPECT_EQ(a.sigma_codes, b.sigma_codes);
@@ -127,9 +127,9 @@ TEST(AppendMissing, KeepsLandmarksThatAreThereAndAddsKeyframes) {
   EXPECT_EQ(joined.LandmarksOfKeyframe(1).size(), 5u);
 }
 
-TEST(WithoutSession, LeavesLandmarksThatOthersSawWithoutItsSightings) {
+TEST(WithoutSession, LeavesLandmarksThatOthersSawWithoutItsHistory) {
   Tile tile = MakeTile(SessionId(1), 3);
-  ReplaceSightings({{{SessionId(1), 2, 2}, {SessionId(2), 4, 5}},
+  ReplaceHistories({{{SessionId(1), 2, 2}, {SessionId(2), 4, 5}},
                     {{SessionId(1), 2, 2}, {SessionId(2), 0, 3}},
                     {{SessionId(), 9, 9}, {SessionId(1), 1, 1}}},
                    &tile);
@@ -137,9 +137,9 @@ TEST(WithoutSession, LeavesLandmarksThatOthersSawWithoutItsSightings) {
   const Tile without = WithoutSession(tile, SessionId(1));
   ASSERT_EQ(without.num_landmarks(), 2u);
   EXPECT_EQ(without.landmark_ids[0], tile.landmark_ids[0]);
-  EXPECT_EQ(without.SightingsOf(0)[0], (LandmarkSighting{SessionId(2), 4, 5}));
+  EXPECT_EQ(without.HistoryOf(0)[0], (HistoryEntry{SessionId(2), 4, 5}));
   EXPECT_EQ(without.landmark_ids[1], tile.landmark_ids[2]);
-  EXPECT_EQ(without.SightingsOf(1)[0], (LandmarkSighting{SessionId(), 9, 9}));
+  EXPECT_EQ(without.HistoryOf(1)[0], (HistoryEntry{SessionId(), 9, 9}));
   EXPECT_EQ(without.num_keyframes(), 0u);
 }
 

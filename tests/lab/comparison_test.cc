@@ -128,7 +128,7 @@ TEST(Comparison, RefusesRecordingsItCannotRun) {
   EXPECT_THROW(CompareEstimators(recording, {}), Error);
 }
 
-TEST(SimulateRecording, SightsAndMatchesAreThoseOfTheTruth) {
+TEST(SimulateRecording, ObservationsAndMatchesAreThoseOfTheTruth) {
   RecordingOptions options = testing::WalkRecordingOptions(3);
   options.map_sigma_m = 0.0;
   const Recording recording = SimulateRecording(testing::WalkTrajectory(6.0, 3), options);

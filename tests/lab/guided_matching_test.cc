@@ -1,4 +1,4 @@
-#include "core/scene/guided_matching.h"
+#include "cli/demo/street/guided_matching.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "core/scene/neighbor_pairs.h"
+#include "cli/demo/street/neighbor_pairs.h"
 
 namespace cairn {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/scene/reconstruct_known_poses.h"
+#include "cli/demo/street/reconstruct_known_poses.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/demo/street/reconstruct_known_poses.h"
 #include "cli/demo/street/street_scene.h"
-#include "core/scene/reconstruct_known_poses.h"
 #include "eval/eval_query.h"
 #include "ingest/ingest_session.h"
 #include "support/recognized.h"

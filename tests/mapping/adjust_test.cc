@@ -220,7 +220,7 @@ TEST(Adjust, HoldsFixedImages) {
   EXPECT_NE(CentersOf(model).col(4), CentersOf(before).col(4));
 }
 
-// Landmarks of another model hold the frame, and one sight of each is enough.
+// Landmarks of another model hold the frame, and one observation of each is enough.
 TEST(Adjust, FollowsFixedLandmarks) {
   Scene scene = MakeScene(0.0, Pinhole());
   Reconstruction model = scene.truth;

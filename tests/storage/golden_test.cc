@@ -33,8 +33,8 @@ Tile GoldenTile() {
   tile.codebook_id = CodebookId(5);
   tile.code_size = 2;
   tile.landmark_ids = {LandmarkId(1000), LandmarkId(7), LandmarkId(1001)};
-  tile.sighting_begin = {0, 1, 3, 4};
-  tile.sightings = {
+  tile.history_begin = {0, 1, 3, 4};
+  tile.history = {
       {SessionId(1), 3, 4}, {SessionId(), 200, 255}, {SessionId(2), 0, 5}, {SessionId(1), 2, 2}};
   tile.x_in_tile = {
       {-12.5f, 3.25f, 1.00390625f}, {74.0f, -74.99609375f, 0.0f}, {300.0f, 8.0f, -2.5f}};

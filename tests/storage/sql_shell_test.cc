@@ -121,8 +121,8 @@ TEST(SqlShell, LandmarksAreThoseOfTheTiles) {
     EXPECT_EQ(row[10].text,
               std::to_string(tile.descriptor_begin[i + 1] - tile.descriptor_begin[i]));
     EXPECT_EQ(row[12].text, row[2].text);
-    EXPECT_EQ(row[13].text, std::to_string(tile.SightingsOf(i)[0].num_sights));
-    EXPECT_EQ(row[14].text, std::to_string(tile.SightingsOf(i)[0].num_chances));
+    EXPECT_EQ(row[13].text, std::to_string(tile.HistoryOf(i)[0].num_observations));
+    EXPECT_EQ(row[14].text, std::to_string(tile.HistoryOf(i)[0].num_chances));
   }
   const std::string id = std::to_string(tile.id.value());
   EXPECT_EQ(Value(path, "SELECT count(*) FROM cairn_landmarks(" + id + ")"), "100");

@@ -55,7 +55,7 @@ Tile EmptyTile() {
   tile.id = TileId::Containing(Geodetic::FromDegrees(10.0, 20.0, 0.0));
   tile.code_size = 8;
   tile.descriptor_begin = {0};
-  tile.sighting_begin = {0};
+  tile.history_begin = {0};
   tile.keyframe_begin = {0};
   return tile;
 }
@@ -78,7 +78,7 @@ TEST(TileCodec, RoundTripKeepsAnyOrderAndExtremeValues) {
   Tile tile = SmallTile();
   tile.landmark_ids[0] = LandmarkId(UINT64_MAX);
   tile.landmark_ids[1] = LandmarkId(0);
-  tile.sightings[2] = {SessionId(INT64_MAX), 255, 255};
+  tile.history[2] = {SessionId(INT64_MAX), 255, 255};
   tile.keyframes[0].id = KeyframeId(INT64_MIN);
   tile.x_in_tile[0] = QuantizePosition({1e9, -1e9, 0.0});
   tile.x_in_tile[5] = QuantizePosition({-1e9, 1e9, -1e9});
@@ -218,7 +218,7 @@ TEST(TileCodec, LimitsHold) {
 TEST(SessionsInPayload, AreThoseOfKeyframesAndHistories) {
   Tile tile = SmallTile();
   tile.keyframes[0].session_id = SessionId(7);
-  tile.sightings[1].session_id = SessionId(9);
+  tile.history[1].session_id = SessionId(9);
   EXPECT_EQ(SessionsInPayload(EncodeTile(tile)),
             (std::set<SessionId>{SessionId(1), SessionId(7), SessionId(9)}));
   EXPECT_TRUE(SessionsInPayload(std::vector<uint8_t>(100, 7)).empty());

@@ -78,13 +78,13 @@ inline Tile RandomTile(const RandomTileOptions& options = {}) {
   tile.codebook_id = options.codebook_id;
   tile.code_size = options.code_size;
   tile.descriptor_begin = {0};
-  tile.sighting_begin = {0};
+  tile.history_begin = {0};
   for (const uint32_t i : MortonOrder(positions)) {
     tile.x_in_tile.push_back(positions[i]);
     tile.landmark_ids.push_back(LandmarkId(options.first_landmark_id + tile.landmark_ids.size()));
-    const auto num_sights = static_cast<uint8_t>(2 + random() % 8);
-    tile.sightings.push_back({SessionId(options.session_id), num_sights, num_sights});
-    tile.sighting_begin.push_back(static_cast<uint32_t>(tile.sightings.size()));
+    const auto num_observations = static_cast<uint8_t>(2 + random() % 8);
+    tile.history.push_back({SessionId(options.session_id), num_observations, num_observations});
+    tile.history_begin.push_back(static_cast<uint32_t>(tile.history.size()));
     tile.sigma_codes.push_back(SigmaCode(uniform(0.01, 0.5)));
     const auto num_descriptors = 1 + random() % options.max_descriptors_per_landmark;
     const double orientation_rad = uniform(-3.0, 3.0);
@@ -116,13 +116,12 @@ inline bool SameTile(const Tile& a, const Tile& b) {
            x.cam_from_tile.translation == y.cam_from_tile.translation;
   };
   return a.id == b.id && a.codebook_id == b.codebook_id && a.code_size == b.code_size &&
-         a.landmark_ids == b.landmark_ids && a.sighting_begin == b.sighting_begin &&
-         a.sightings == b.sightings && a.weight_codes == b.weight_codes &&
-         a.x_in_tile == b.x_in_tile && a.sigma_codes == b.sigma_codes &&
-         a.descriptor_begin == b.descriptor_begin && a.codes == b.codes &&
-         a.orientation_codes == b.orientation_codes && a.size_codes == b.size_codes &&
-         a.azimuth_codes == b.azimuth_codes && a.keyframe_begin == b.keyframe_begin &&
-         a.keyframe_landmarks == b.keyframe_landmarks &&
+         a.landmark_ids == b.landmark_ids && a.history_begin == b.history_begin &&
+         a.history == b.history && a.weight_codes == b.weight_codes && a.x_in_tile == b.x_in_tile &&
+         a.sigma_codes == b.sigma_codes && a.descriptor_begin == b.descriptor_begin &&
+         a.codes == b.codes && a.orientation_codes == b.orientation_codes &&
+         a.size_codes == b.size_codes && a.azimuth_codes == b.azimuth_codes &&
+         a.keyframe_begin == b.keyframe_begin && a.keyframe_landmarks == b.keyframe_landmarks &&
          std::equal(a.keyframes.begin(), a.keyframes.end(), b.keyframes.begin(), b.keyframes.end(),
                     same_keyframe);
 }

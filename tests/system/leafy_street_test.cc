@@ -3,9 +3,9 @@
 
 #include <memory>
 
+#include "cli/demo/street/reconstruct_known_poses.h"
 #include "cli/demo/street/street_scene.h"
 #include "core/features/sift/sift_extractor.h"
-#include "core/scene/reconstruct_known_poses.h"
 #include "engine/localizer.h"
 #include "eval/evaluation.h"
 #include "ingest/ingest_session.h"

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "cli/demo/street/reconstruct_known_poses.h"  // IWYU pragma: export
+#include "cli/demo/street/street_photo.h"
 #include "core/camera.h"
 #include "core/geodesy.h"
 #include "core/images/gray_image.h"
 #include "core/rigid3.h"
-#include "core/scene/reconstruct_known_poses.h"  // IWYU pragma: export
-#include "core/scene/street_photo.h"
 
 namespace cairn {
 

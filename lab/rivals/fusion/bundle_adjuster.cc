@@ -173,12 +173,12 @@ std::vector<WindowTrack*> BundleAdjuster::SelectTracks() {
       if (alignment_) {
         global.push_back(track);
       }
-    } else if (static_cast<int>(track->sights.size()) >= options_.min_views) {
+    } else if (static_cast<int>(track->observations.size()) >= options_.min_views) {
       local.push_back(track);
     }
   });
   std::stable_sort(local.begin(), local.end(), [](const WindowTrack* a, const WindowTrack* b) {
-    return a->sights.size() > b->sights.size();
+    return a->observations.size() > b->observations.size();
   });
   const auto num_wanted = static_cast<size_t>(options_.max_local_tracks);
   size_t num_chosen = 0;
@@ -218,12 +218,12 @@ void BundleAdjuster::DropBadLandmarks(std::span<WindowTrack* const> tracks) {
     }
     double sq_sum = 0.0;
     bool is_in_front = true;
-    for (const WindowSight& sight : track->sights) {
-      const Eigen::Vector3d x_in_cam = sight.camera->ToCam(track->x_in_local);
+    for (const WindowObservation& observation : track->observations) {
+      const Eigen::Vector3d x_in_cam = observation.camera->ToCam(track->x_in_local);
       is_in_front = is_in_front && x_in_cam.z() > options_.triangulate.min_depth_m;
-      sq_sum += (x_in_cam.hnormalized() - sight.normalized).squaredNorm();
+      sq_sum += (x_in_cam.hnormalized() - observation.normalized).squaredNorm();
     }
-    if (!is_in_front || sq_sum > 2.0 * sq_limit * static_cast<double>(track->sights.size())) {
+    if (!is_in_front || sq_sum > 2.0 * sq_limit * static_cast<double>(track->observations.size())) {
       tracks_.Forget(track);
     }
   }

@@ -34,7 +34,8 @@ struct AdjusterFrame {
 };
 
 // The window holds the newest frame and keyframes before it. A match to the map turns its track
-// from a variable landmark into a fixed one for all cameras that see it, so no sight counts twice.
+// from a variable landmark into a fixed one for all cameras that see it, so no observation counts
+// twice.
 //
 // Not thread-safe. Results repeat up to rounding, because Ceres orders variables by their address.
 class BundleAdjuster {
@@ -67,8 +68,8 @@ class BundleAdjuster {
   std::optional<Rigid3d> PoseOf(int64_t frame_id) const;
 
  private:
-  // A keypoint that is not a tracked feature becomes a track of one sight. The ids of such tracks
-  // start here.
+  // A keypoint that is not a tracked feature becomes a track of one observation. The ids of such
+  // tracks start here.
   static constexpr uint64_t kFirstUntrackedId = uint64_t{1} << 63;
 
   using Camera = std::unique_ptr<WindowCamera>;

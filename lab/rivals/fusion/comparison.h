@@ -87,9 +87,9 @@ struct ComparisonOptions {
 // The time of an update has a different meaning for each kind of estimator. For a rival, it covers
 // gating the matches, building the problem and solving it. For the filter, it covers gating,
 // compressing and applying all matches of the answer on a copy of its state. A comparison of the
-// filter's frames with and without an answer would not do: sights that go into the answer are not
-// used as tracks, so a frame with an answer may cost less. `frame_seconds` is the filter's whole
-// frame, including propagation and local tracks.
+// filter's frames with and without an answer would not do: observations that go into the answer are
+// not used as tracks, so a frame with an answer may cost less. `frame_seconds` is the filter's
+// whole frame, including propagation and local tracks.
 //
 // Throws Error(kBadInput) if a recording has fewer than two counted frames or its samples do not
 // span its frames.

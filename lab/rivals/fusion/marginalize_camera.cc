@@ -80,17 +80,18 @@ class Marginalizer {
                    linear.jacobians, linear.residual);
   }
 
-  void AddGlobal(const WindowTrack& track, const WindowSight& sight) {
-    const WindowCamera& camera = *sight.camera;
+  void AddGlobal(const WindowTrack& track, const WindowObservation& observation) {
+    const WindowCamera& camera = *observation.camera;
     const Eigen::Vector3d x_in_local = alignment_->ToLocal(track.map_landmark->x_in_global);
     const double depth_m = camera.ToCam(x_in_local).z();
     if (depth_m < options_.triangulate.min_depth_m) {
       return;
     }
     GlobalFactor factor;
-    factor.Set(&camera, alignment_, sight.normalized,
-               GlobalSightSigma(options_, *track.map_landmark, track.sights.size(), depth_m),
-               track.map_landmark->x_in_global);
+    factor.Set(
+        &camera, alignment_, observation.normalized,
+        GlobalObservationSigma(options_, *track.map_landmark, track.observations.size(), depth_m),
+        track.map_landmark->x_in_global);
     Linearization linear(factor, {camera.pose.data(), alignment_->block.data()});
     linear.Robustify(options_.huber_sigmas);
     equations_.Add({equations_.Offset(PriorBlockKind::kPose, &camera),
@@ -98,18 +99,19 @@ class Marginalizer {
                    linear.jacobians, linear.residual);
   }
 
-  // Adds all sights of a triangulated track except those of cameras that may be replaced.
+  // Adds all observations of a triangulated track except those of cameras that may be replaced.
   void AddLocal(const WindowTrack& track) {
     const double sigma = options_.track_sigma_px / options_.camera.focal_px();
-    const auto num_rows = 2 * static_cast<Eigen::Index>(track.sights.size());
-    const auto width = static_cast<Eigen::Index>(kLandmarkBlock + kPoseBlock * track.sights.size());
+    const auto num_rows = 2 * static_cast<Eigen::Index>(track.observations.size());
+    const auto width =
+        static_cast<Eigen::Index>(kLandmarkBlock + kPoseBlock * track.observations.size());
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(num_rows, width + 1);
     std::vector<int> offsets;
-    for (size_t i = 0; i < track.sights.size(); ++i) {
-      const WindowSight& sight = track.sights[i];
+    for (size_t i = 0; i < track.observations.size(); ++i) {
+      const WindowObservation& observation = track.observations[i];
       LocalFactor factor;
-      factor.Set(sight.camera, sight.normalized, sigma);
-      Linearization linear(factor, {sight.camera->pose.data(), track.x_in_local.data()});
+      factor.Set(observation.camera, observation.normalized, sigma);
+      Linearization linear(factor, {observation.camera->pose.data(), track.x_in_local.data()});
       if (!linear.is_valid) {
         return;
       }
@@ -119,13 +121,13 @@ class Marginalizer {
       target.middleCols<kPoseBlock>(static_cast<Eigen::Index>(kLandmarkBlock + kPoseBlock * i)) =
           linear.jacobians[0];
       target.col(width) = linear.residual;
-      offsets.push_back(equations_.Offset(PriorBlockKind::kPose, sight.camera));
+      offsets.push_back(equations_.Offset(PriorBlockKind::kPose, observation.camera));
     }
     // The rows below the landmark's triangle do not depend on it.
     Triangularize(kLandmarkBlock, rows);
     const auto kept = rows.bottomRows(num_rows - kLandmarkBlock);
     std::vector<Eigen::MatrixXd> jacobians;
-    for (size_t i = 0; i < track.sights.size(); ++i) {
+    for (size_t i = 0; i < track.observations.size(); ++i) {
       jacobians.emplace_back(
           kept.middleCols<kPoseBlock>(static_cast<Eigen::Index>(kLandmarkBlock + kPoseBlock * i)));
     }
@@ -171,30 +173,30 @@ MarginalPrior MarginalizeCamera(const BundleAdjusterOptions& options,
   const WindowCamera* newest = cameras.back();
   std::vector<WindowTrack*> used_up;
   tracks->ForEach([&](WindowTrack* track) {
-    if (track->sights.front().camera != cameras[0]) {
+    if (track->observations.front().camera != cameras[0]) {
       return;
     }
-    const bool has_ended = track->sights.back().camera != newest;
-    const bool spans_window = track->sights.size() >= cameras.size();
+    const bool has_ended = track->observations.back().camera != newest;
+    const bool spans_window = track->observations.size() >= cameras.size();
     if (track->map_landmark && alignment != nullptr) {
-      marginalizer.AddGlobal(*track, track->sights.front());
+      marginalizer.AddGlobal(*track, track->observations.front());
     } else if (!track->map_landmark && track->is_triangulated && (has_ended || spans_window) &&
-               static_cast<int>(track->sights.size()) >= options.min_views) {
+               static_cast<int>(track->observations.size()) >= options.min_views) {
       used_up.push_back(track);
     }
   });
   for (WindowTrack* track : used_up) {
-    // The newest camera may still be replaced. Its sight starts a new track.
-    std::optional<WindowSight> last;
-    if (track->sights.back().camera == newest) {
-      last = track->sights.back();
-      track->sights.pop_back();
+    // The newest camera may still be replaced. Its observation starts a new track.
+    std::optional<WindowObservation> last;
+    if (track->observations.back().camera == newest) {
+      last = track->observations.back();
+      track->observations.pop_back();
     }
     marginalizer.AddLocal(*track);
-    track->sights.clear();
+    track->observations.clear();
     track->is_triangulated = false;
     if (last) {
-      track->sights.push_back(*last);
+      track->observations.push_back(*last);
     } else {
       tracks->Forget(track);
     }

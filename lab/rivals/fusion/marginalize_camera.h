@@ -13,12 +13,12 @@
 namespace cairn::fusion {
 
 // Marginalizes the first of `cameras` (at least 3, ordered by time). The residuals that become the
-// prior are: the old prior, the camera's inertial residual, its sights of map landmarks, and local
-// tracks that the camera saw and that have ended or are seen by every camera.
+// prior are: the old prior, the camera's inertial residual, its observations of map landmarks, and
+// local tracks that the camera saw and that have ended or are seen by every camera.
 //
-// Each of these local tracks contributes all its sights except that of the newest camera. Its
-// landmark is eliminated, and the used sights are dropped afterwards. Every other local track loses
-// only the marginalized camera's sight. `alignment` may be null.
+// Each of these local tracks contributes all its observations except that of the newest camera. Its
+// landmark is eliminated, and the used observations are dropped afterwards. Every other local track
+// loses only the marginalized camera's observation. `alignment` may be null.
 MarginalPrior MarginalizeCamera(const BundleAdjusterOptions& options,
                                 std::span<WindowCamera* const> cameras, WindowAlignment* alignment,
                                 const std::optional<MarginalPrior>& prior, WindowTracks* tracks);

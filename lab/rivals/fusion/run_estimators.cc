@@ -78,17 +78,17 @@ double UpdateSeconds(const Recording& recording, const Estimator& estimator, con
   if (!state.global_from_local() || state.clones().size() < 2) {
     return 0.0;
   }
-  std::vector<MapSight> sights;
+  std::vector<MapObservation> observations;
   for (const MapMatch& match : answer.matches) {
-    sights.push_back({.match = static_cast<int>(sights.size()),
-                      .clone = static_cast<int>(state.clones().size()) - 2,
-                      .pixel = match.pixel,
-                      .x_in_global = match.x_in_global,
-                      .sigma_m = match.sigma_m,
-                      .tile_id = match.tile_id});
+    observations.push_back({.match = static_cast<int>(observations.size()),
+                            .clone = static_cast<int>(state.clones().size()) - 2,
+                            .pixel = match.pixel,
+                            .x_in_global = match.x_in_global,
+                            .sigma_m = match.sigma_m,
+                            .tile_id = match.tile_id});
   }
   const double begin = ThreadSeconds();
-  UpdateFromMap(recording.options.camera, sights, recording.options.map, &state);
+  UpdateFromMap(recording.options.camera, observations, recording.options.map, &state);
   return ThreadSeconds() - begin;
 }
 

@@ -37,11 +37,11 @@ ceres::Solver::Options SolverOptions(int num_iterations) {
 
 }  // namespace
 
-double GlobalSightSigma(const BundleAdjusterOptions& options, const MapLandmark& landmark,
-                        size_t num_sights, double depth_m) {
+double GlobalObservationSigma(const BundleAdjusterOptions& options, const MapLandmark& landmark,
+                              size_t num_observations, double depth_m) {
   const double pixel = options.match_sigma_px / options.camera.focal_px();
-  const double map_variance =
-      landmark.sigma_m * landmark.sigma_m * static_cast<double>(num_sights) / (depth_m * depth_m);
+  const double map_variance = landmark.sigma_m * landmark.sigma_m *
+                              static_cast<double>(num_observations) / (depth_m * depth_m);
   return std::sqrt(pixel * pixel + map_variance);
 }
 
@@ -102,27 +102,29 @@ void WindowProblem::AddTrack(WindowTrack* track, WindowAlignment* alignment,
                              ceres::Problem* problem) {
   if (!track->map_landmark) {
     const double sigma = options_.track_sigma_px / options_.camera.focal_px();
-    for (const WindowSight& sight : track->sights) {
+    for (const WindowObservation& observation : track->observations) {
       LocalFactor* factor = local_factors_.Next();
-      factor->Set(sight.camera, sight.normalized, sigma);
-      problem->AddResidualBlock(factor, &loss_, sight.camera->pose.data(),
+      factor->Set(observation.camera, observation.normalized, sigma);
+      problem->AddResidualBlock(factor, &loss_, observation.camera->pose.data(),
                                 track->x_in_local.data());
     }
     ordering_->AddElementToGroup(track->x_in_local.data(), kLandmarkGroup);
     return;
   }
   const Eigen::Vector3d x_in_local = alignment->ToLocal(track->map_landmark->x_in_global);
-  for (const WindowSight& sight : track->sights) {
-    const WindowCamera& camera = *sight.camera;
+  for (const WindowObservation& observation : track->observations) {
+    const WindowCamera& camera = *observation.camera;
     const double depth_m = camera.ToCam(x_in_local).z();
     if (depth_m < options_.triangulate.min_depth_m) {
       continue;
     }
     GlobalFactor* factor = global_factors_.Next();
-    factor->Set(sight.camera, alignment, sight.normalized,
-                GlobalSightSigma(options_, *track->map_landmark, track->sights.size(), depth_m),
-                track->map_landmark->x_in_global);
-    problem->AddResidualBlock(factor, &loss_, sight.camera->pose.data(), alignment->block.data());
+    factor->Set(
+        observation.camera, alignment, observation.normalized,
+        GlobalObservationSigma(options_, *track->map_landmark, track->observations.size(), depth_m),
+        track->map_landmark->x_in_global);
+    problem->AddResidualBlock(factor, &loss_, observation.camera->pose.data(),
+                              alignment->block.data());
   }
 }
 

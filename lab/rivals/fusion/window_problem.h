@@ -24,7 +24,7 @@ namespace cairn::fusion {
 struct AdjustmentSummary {
   int num_iterations = 0;  // Levenberg-Marquardt steps, accepted or not.
   int num_local_residuals = 0;
-  int num_global_residuals = 0;  // Sights of map landmarks.
+  int num_global_residuals = 0;  // Observations of map landmarks.
   double initial_cost = 0.0;
   double final_cost = 0.0;
 };
@@ -47,11 +47,12 @@ class FactorPool {
   size_t num_used_ = 0;
 };
 
-// Returns the standard deviation, on the plane z = 1, of a sight of a map landmark: the pixel noise
-// plus the landmark's own error at its depth. If M cameras see the landmark, each sight gets
-// sqrt(M) times the landmark's standard deviation, as in the filter (map_update.h).
-double GlobalSightSigma(const BundleAdjusterOptions& options, const MapLandmark& landmark,
-                        size_t num_sights, double depth_m);
+// Returns the standard deviation, on the plane z = 1, of an observation of a map landmark: the
+// pixel noise plus the landmark's own error at its depth. If M cameras see the landmark, each
+// observation gets sqrt(M) times the landmark's standard deviation, as in the filter
+// (map_update.h).
+double GlobalObservationSigma(const BundleAdjusterOptions& options, const MapLandmark& landmark,
+                              size_t num_observations, double depth_m);
 
 // Keeps its cost functions from one window to the next. Not thread-safe.
 class WindowProblem {

@@ -22,7 +22,7 @@ void WindowTracks::AddFeatures(WindowCamera* camera, std::span<const TrackedFeat
     const auto ray = camera_.Unproject(feature.pixel);
     if (ray && ray->z() > 0.0) {
       FindOrAdd(feature.track_id)
-          ->sights.push_back({camera, feature.pixel, ray->head<2>() / ray->z()});
+          ->observations.push_back({camera, feature.pixel, ray->head<2>() / ray->z()});
     }
   }
 }
@@ -34,8 +34,10 @@ WindowTrack* WindowTracks::Find(uint64_t track_id) {
 
 void WindowTracks::DropCamera(const WindowCamera* camera) {
   ForEach([&](WindowTrack* track) {
-    std::erase_if(track->sights, [&](const WindowSight& sight) { return sight.camera == camera; });
-    if (track->sights.empty()) {
+    std::erase_if(track->observations, [&](const WindowObservation& observation) {
+      return observation.camera == camera;
+    });
+    if (track->observations.empty()) {
       Forget(track);
     }
   });
@@ -43,7 +45,7 @@ void WindowTracks::DropCamera(const WindowCamera* camera) {
 
 void WindowTracks::Forget(WindowTrack* track) {
   index_.erase(track->track_id);
-  track->sights.clear();
+  track->observations.clear();
   track->map_landmark.reset();
   track->is_triangulated = false;
   free_.push_back(track);
@@ -52,15 +54,16 @@ void WindowTracks::Forget(WindowTrack* track) {
 bool WindowTracks::TriangulateTrack(double sigma_px, const TriangulateOptions& options,
                                     WindowTrack* track) {
   std::vector<CameraView> views;
-  std::vector<Sight> sights;
-  views.reserve(track->sights.size());
-  for (const WindowSight& sight : track->sights) {
+  std::vector<Observation> observations;
+  views.reserve(track->observations.size());
+  for (const WindowObservation& observation : track->observations) {
     Clone clone;
-    clone.local_from_imu = sight.camera->State().local_from_imu;
+    clone.local_from_imu = observation.camera->State().local_from_imu;
     views.emplace_back(rig_, clone);
-    sights.push_back({&views.back(), sight.pixel, sight.normalized.homogeneous().normalized()});
+    observations.push_back(
+        {&views.back(), observation.pixel, observation.normalized.homogeneous().normalized()});
   }
-  const auto point = Triangulate(camera_, sights, sigma_px, options);
+  const auto point = Triangulate(camera_, observations, sigma_px, options);
   if (point) {
     track->x_in_local = *point;
     track->is_triangulated = true;

@@ -19,7 +19,7 @@
 namespace cairn::fusion {
 
 // A feature seen by one camera of the window.
-struct WindowSight {
+struct WindowObservation {
   WindowCamera* camera = nullptr;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();  // On the plane z = 1.
@@ -35,7 +35,7 @@ struct MapLandmark {
 // triangulated.
 struct WindowTrack {
   uint64_t track_id = 0;
-  std::vector<WindowSight> sights;  // Ordered by time.
+  std::vector<WindowObservation> observations;  // Ordered by time.
   std::optional<MapLandmark> map_landmark;
   bool is_triangulated = false;
   Eigen::Vector3d x_in_local = Eigen::Vector3d::Zero();
@@ -52,23 +52,23 @@ class WindowTracks {
   // Returns nullptr if no camera of the window sees the track.
   WindowTrack* Find(uint64_t track_id);
 
-  // Calls visit(WindowTrack*) in order of first sight.
+  // Calls visit(WindowTrack*) in order of first observation.
   template <typename Visitor>
   void ForEach(const Visitor& visit) {
     for (WindowTrack& track : tracks_) {
-      if (!track.sights.empty()) {
+      if (!track.observations.empty()) {
         visit(&track);
       }
     }
   }
 
-  // Removes all sights of a camera.
+  // Removes all observations of a camera.
   void DropCamera(const WindowCamera* camera);
-  // Empties a track. The next sight starts a new one.
+  // Empties a track. The next observation starts a new one.
   void Forget(WindowTrack* track);
 
-  // Triangulates a local track with at least two sights. Returns false and changes nothing if that
-  // fails.
+  // Triangulates a local track with at least two observations. Returns false and changes nothing if
+  // that fails.
   bool TriangulateTrack(double sigma_px, const TriangulateOptions& options, WindowTrack* track);
 
  private:

@@ -102,8 +102,8 @@ class TileCheck {
     Require(are_reserved, "it has landmark ids that the map has not reserved");
     SessionId known{};
     bool have_sessions = true;
-    for (const LandmarkSighting& sighting : tile.sightings) {
-      const SessionId id = sighting.session_id;
+    for (const HistoryEntry& entry : tile.history) {
+      const SessionId id = entry.session_id;
       have_sessions = have_sessions && (id == SessionId{} || id == known || HasSession(id));
       known = id;
     }

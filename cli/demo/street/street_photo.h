@@ -1,6 +1,6 @@
 // A photo and the place where it was taken.
-#ifndef CAIRN_CORE_SCENE_STREET_PHOTO_H_
-#define CAIRN_CORE_SCENE_STREET_PHOTO_H_
+#ifndef CAIRN_CLI_DEMO_STREET_STREET_PHOTO_H_
+#define CAIRN_CLI_DEMO_STREET_STREET_PHOTO_H_
 
 #include <optional>
 #include <string>
@@ -20,4 +20,4 @@ struct StreetPhoto {
 
 }  // namespace cairn
 
-#endif  // CAIRN_CORE_SCENE_STREET_PHOTO_H_
+#endif  // CAIRN_CLI_DEMO_STREET_STREET_PHOTO_H_

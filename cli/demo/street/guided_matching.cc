@@ -1,4 +1,4 @@
-#include "core/scene/guided_matching.h"
+#include "cli/demo/street/guided_matching.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "core/scene/neighbor_pairs.h"
+#include "cli/demo/street/neighbor_pairs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/scene/reconstruct_known_poses.h"
+#include "cli/demo/street/reconstruct_known_poses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
+#include "cli/demo/street/guided_matching.h"
+#include "cli/demo/street/neighbor_pairs.h"
+#include "cli/demo/street/posed_features.h"
 #include "core/parallel_for.h"
 #include "core/require.h"
-#include "core/scene/guided_matching.h"
-#include "core/scene/neighbor_pairs.h"
-#include "core/scene/posed_features.h"
 #include "core/scene/tracks.h"
 #include "core/scene/triangulate.h"
 
@@ -60,10 +60,11 @@ std::vector<PairMatches> MatchNeighbors(const std::vector<PosedFeatures>& posed,
   return matches;
 }
 
-double WidestAngleRad(const std::vector<PointView>& views, const Eigen::Vector3d& x_in_world) {
+double WidestAngleRad(const std::vector<PointObservation>& observations,
+                      const Eigen::Vector3d& x_in_world) {
   std::vector<Eigen::Vector3d> rays;
-  for (const PointView& view : views) {
-    rays.push_back((x_in_world - view.cam_from_world.Inverse().translation).normalized());
+  for (const PointObservation& observation : observations) {
+    rays.push_back((x_in_world - observation.cam_from_world.Inverse().translation).normalized());
   }
   double min_cos = 1.0;
   for (size_t i = 0; i < rays.size(); ++i) {
@@ -81,22 +82,25 @@ std::optional<ReconLandmark> TriangulateTrack(const Reconstruction& reconstructi
   ReconLandmark landmark;
   landmark.observations = std::move(track);
   while (static_cast<int>(landmark.observations.size()) >= kMinKnownPoseObservations) {
-    const std::vector<PointView> views = ViewsOf(reconstruction, landmark);
-    const auto x_in_world = TriangulatePoint(views);
+    const std::vector<PointObservation> observations =
+        PointObservationsOf(reconstruction, landmark);
+    const auto x_in_world = TriangulatePoint(observations);
     if (!x_in_world) {
       return std::nullopt;
     }
     std::vector<ReconObservation> fitting;
-    for (size_t i = 0; i < views.size(); ++i) {
-      const auto pixel = views[i].camera->Project(views[i].cam_from_world * *x_in_world);
-      if (pixel && (*pixel - views[i].pixel).norm() <= kMaxKnownPoseErrorPx) {
+    for (size_t i = 0; i < observations.size(); ++i) {
+      const auto pixel =
+          observations[i].camera->Project(observations[i].cam_from_world * *x_in_world);
+      if (pixel && (*pixel - observations[i].pixel).norm() <= kMaxKnownPoseErrorPx) {
         fitting.push_back(landmark.observations[i]);
       }
     }
-    if (fitting.size() == views.size()) {
+    if (fitting.size() == observations.size()) {
       landmark.x_in_world = *x_in_world;
-      return WidestAngleRad(views, *x_in_world) >= kMinAngleRad ? std::optional(std::move(landmark))
-                                                                : std::nullopt;
+      return WidestAngleRad(observations, *x_in_world) >= kMinAngleRad
+                 ? std::optional(std::move(landmark))
+                 : std::nullopt;
     }
     landmark.observations = std::move(fitting);
   }

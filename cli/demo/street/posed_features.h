@@ -1,6 +1,6 @@
 // The features of an image with a known pose.
-#ifndef CAIRN_CORE_SCENE_POSED_FEATURES_H_
-#define CAIRN_CORE_SCENE_POSED_FEATURES_H_
+#ifndef CAIRN_CLI_DEMO_STREET_POSED_FEATURES_H_
+#define CAIRN_CLI_DEMO_STREET_POSED_FEATURES_H_
 
 #include <Eigen/Core>
 #include <vector>
@@ -27,4 +27,4 @@ PosedFeatures MakePosedFeatures(const Camera& camera, const FeatureSet& features
 
 }  // namespace cairn
 
-#endif  // CAIRN_CORE_SCENE_POSED_FEATURES_H_
+#endif  // CAIRN_CLI_DEMO_STREET_POSED_FEATURES_H_

@@ -1,4 +1,4 @@
-#include "core/scene/posed_features.h"
+#include "cli/demo/street/posed_features.h"
 
 namespace cairn {
 

@@ -1,6 +1,6 @@
 // Finds the keyframes of a tile that saw a landmark, by the landmark's id.
-#ifndef CAIRN_ENGINE_TILES_LANDMARK_SIGHTINGS_H_
-#define CAIRN_ENGINE_TILES_LANDMARK_SIGHTINGS_H_
+#ifndef CAIRN_ENGINE_TILES_LANDMARK_KEYFRAMES_H_
+#define CAIRN_ENGINE_TILES_LANDMARK_KEYFRAMES_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -17,11 +17,11 @@ namespace cairn {
 // from one tile can be looked up in another. The hash table uses open addressing with at most half
 // of the slots filled. Each process has its own random hash seed, so nobody can make a map whose
 // ids collide. Immutable; safe to use from any thread.
-class LandmarkSightings {
+class LandmarkKeyframes {
  public:
   // Linear in landmarks and observations. The landmarks must outlive the object. If several
   // landmarks have the same id, as only a damaged tile has, only the first can be found.
-  LandmarkSightings(const TileLandmarks& landmarks, const TileCovisibility& covisibility);
+  LandmarkKeyframes(const TileLandmarks& landmarks, const TileCovisibility& covisibility);
 
   // Returns the keyframes of the tile that saw the landmark, ascending; empty if the tile does not
   // hold the landmark.
@@ -45,4 +45,4 @@ class LandmarkSightings {
 
 }  // namespace cairn
 
-#endif  // CAIRN_ENGINE_TILES_LANDMARK_SIGHTINGS_H_
+#endif  // CAIRN_ENGINE_TILES_LANDMARK_KEYFRAMES_H_

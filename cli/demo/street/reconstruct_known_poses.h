@@ -1,14 +1,14 @@
 // Reconstructs a scene from photos with exactly known poses.
-#ifndef CAIRN_CORE_SCENE_RECONSTRUCT_KNOWN_POSES_H_
-#define CAIRN_CORE_SCENE_RECONSTRUCT_KNOWN_POSES_H_
+#ifndef CAIRN_CLI_DEMO_STREET_RECONSTRUCT_KNOWN_POSES_H_
+#define CAIRN_CLI_DEMO_STREET_RECONSTRUCT_KNOWN_POSES_H_
 
 #include <functional>
 #include <vector>
 
+#include "cli/demo/street/street_photo.h"
 #include "core/camera.h"
 #include "core/features/sift/sift_extractor.h"
 #include "core/scene/reconstruction.h"
-#include "core/scene/street_photo.h"
 
 namespace cairn {
 
@@ -38,4 +38,4 @@ Reconstruction ReconstructWithKnownPoses(const Camera& camera,
 
 }  // namespace cairn
 
-#endif  // CAIRN_CORE_SCENE_RECONSTRUCT_KNOWN_POSES_H_
+#endif  // CAIRN_CLI_DEMO_STREET_RECONSTRUCT_KNOWN_POSES_H_

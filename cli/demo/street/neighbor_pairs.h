@@ -1,11 +1,11 @@
 // Selects the image pairs that are worth matching, from their poses alone.
-#ifndef CAIRN_CORE_SCENE_NEIGHBOR_PAIRS_H_
-#define CAIRN_CORE_SCENE_NEIGHBOR_PAIRS_H_
+#ifndef CAIRN_CLI_DEMO_STREET_NEIGHBOR_PAIRS_H_
+#define CAIRN_CLI_DEMO_STREET_NEIGHBOR_PAIRS_H_
 
 #include <utility>
 #include <vector>
 
-#include "core/scene/posed_features.h"
+#include "cli/demo/street/posed_features.h"
 
 namespace cairn {
 
@@ -19,4 +19,4 @@ std::vector<std::pair<int, int>> FindNeighborPairs(const std::vector<PosedFeatur
 
 }  // namespace cairn
 
-#endif  // CAIRN_CORE_SCENE_NEIGHBOR_PAIRS_H_
+#endif  // CAIRN_CLI_DEMO_STREET_NEIGHBOR_PAIRS_H_

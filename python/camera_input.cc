@@ -1,4 +1,4 @@
-#include "python/sight.h"
+#include "python/camera_input.h"
 
 #include <fmt/format.h>
 
@@ -58,38 +58,38 @@ Picture Decode(std::span<const uint8_t> bytes, const Camera* camera) {
 
 }  // namespace
 
-Sight SightOf(const std::string& argument, py::handle value) {
-  Sight sight;
+CameraInput CameraInputOf(const std::string& argument, py::handle value) {
+  CameraInput input;
   if (py::isinstance<StoredFeatures>(value)) {
-    sight.features = value.cast<std::shared_ptr<StoredFeatures>>();
+    input.features = value.cast<std::shared_ptr<StoredFeatures>>();
   } else if (IsPath(value)) {
-    sight.path = PathOf(argument, value);
+    input.path = PathOf(argument, value);
   } else if (py::isinstance<py::bytes>(value)) {
     char* data = nullptr;
     Py_ssize_t size = 0;
     PyBytes_AsStringAndSize(value.ptr(), &data, &size);
-    sight.encoded = {reinterpret_cast<const uint8_t*>(data), static_cast<size_t>(size)};
+    input.encoded = {reinterpret_cast<const uint8_t*>(data), static_cast<size_t>(size)};
     if (size == 0) {
       RefuseArgument(argument, "is empty");
     }
   } else if (py::isinstance<py::array>(value)) {
-    sight.pixels = PixelsOf(argument, value);
+    input.pixels = PixelsOf(argument, value);
   } else {
     RefuseArgument(argument, fmt::format("must be a path, the bytes of an image file, a numpy "
                                          "array of pixels or cairn.Features, not {}",
                                          Py_TYPE(value.ptr())->tp_name));
   }
-  return sight;
+  return input;
 }
 
-std::vector<uint8_t> EncodedImage(const Sight& sight) {
-  if (!sight.path.empty()) {
-    return ReadImageBytes(sight.path);
+std::vector<uint8_t> EncodedImage(const CameraInput& input) {
+  if (!input.path.empty()) {
+    return ReadImageBytes(input.path);
   }
-  if (sight.pixels.data == nullptr) {
-    return {sight.encoded.begin(), sight.encoded.end()};
+  if (input.pixels.data == nullptr) {
+    return {input.encoded.begin(), input.encoded.end()};
   }
-  const PixelView& pixels = sight.pixels;
+  const PixelView& pixels = input.pixels;
   const std::string head = fmt::format("P{}\n{} {}\n255\n", pixels.num_channels == 1 ? 5 : 6,
                                        pixels.width_px, pixels.height_px);
   std::vector<uint8_t> bytes(head.begin(), head.end());
@@ -103,18 +103,18 @@ bool WantsTurn(const ExifInfo& exif, const Camera* camera) {
   return OrientationForCamera(exif, camera) != 1;
 }
 
-Picture ReadPicture(const Sight& sight, const Camera* camera) {
-  if (sight.pixels.data != nullptr) {
-    return {.image = GrayOf(sight.pixels), .exif = {}};
+Picture ReadPicture(const CameraInput& input, const Camera* camera) {
+  if (input.pixels.data != nullptr) {
+    return {.image = GrayOf(input.pixels), .exif = {}};
   }
-  if (sight.path.empty()) {
-    return Decode(sight.encoded, camera);
+  if (input.path.empty()) {
+    return Decode(input.encoded, camera);
   }
-  const std::vector<uint8_t> bytes = ReadImageBytes(sight.path);
+  const std::vector<uint8_t> bytes = ReadImageBytes(input.path);
   try {
     return Decode(bytes, camera);
   } catch (const Error& error) {
-    throw Error(error.code(), sight.path + ": " + error.what());
+    throw Error(error.code(), input.path + ": " + error.what());
   }
 }
 

@@ -1,10 +1,10 @@
 // Matches two images with known poses along their epipolar lines.
-#ifndef CAIRN_CORE_SCENE_GUIDED_MATCHING_H_
-#define CAIRN_CORE_SCENE_GUIDED_MATCHING_H_
+#ifndef CAIRN_CLI_DEMO_STREET_GUIDED_MATCHING_H_
+#define CAIRN_CLI_DEMO_STREET_GUIDED_MATCHING_H_
 
 #include <vector>
 
-#include "core/scene/posed_features.h"
+#include "cli/demo/street/posed_features.h"
 #include "core/scene/tracks.h"
 
 namespace cairn {
@@ -17,4 +17,4 @@ std::vector<FeatureMatch> MatchAlongEpipolarLines(const PosedFeatures& a, const 
 
 }  // namespace cairn
 
-#endif  // CAIRN_CORE_SCENE_GUIDED_MATCHING_H_
+#endif  // CAIRN_CLI_DEMO_STREET_GUIDED_MATCHING_H_

@@ -1,4 +1,4 @@
-#include "engine/tiles/landmark_sightings.h"
+#include "engine/tiles/landmark_keyframes.h"
 
 #include <bit>
 #include <numeric>
@@ -18,7 +18,7 @@ uint64_t Hash(LandmarkId id) {
 
 }  // namespace
 
-LandmarkSightings::LandmarkSightings(const TileLandmarks& landmarks,
+LandmarkKeyframes::LandmarkKeyframes(const TileLandmarks& landmarks,
                                      const TileCovisibility& covisibility)
     : ids_(landmarks.landmark_ids),
       slots_(NumSlots(ids_.size()), 0),
@@ -42,7 +42,7 @@ LandmarkSightings::LandmarkSightings(const TileLandmarks& landmarks,
   }
 }
 
-size_t LandmarkSightings::SlotOf(LandmarkId id) const {
+size_t LandmarkKeyframes::SlotOf(LandmarkId id) const {
   size_t slot = Hash(id) >> shift_;
   while (slots_[slot] != 0 && ids_[slots_[slot] - 1] != id) {
     slot = (slot + 1) & (slots_.size() - 1);
@@ -50,7 +50,7 @@ size_t LandmarkSightings::SlotOf(LandmarkId id) const {
   return slot;
 }
 
-std::span<const uint32_t> LandmarkSightings::KeyframesThatSaw(LandmarkId id) const {
+std::span<const uint32_t> LandmarkKeyframes::KeyframesThatSaw(LandmarkId id) const {
   const uint32_t slot = slots_[SlotOf(id)];
   if (slot == 0) {
     return {};
@@ -60,7 +60,7 @@ std::span<const uint32_t> LandmarkSightings::KeyframesThatSaw(LandmarkId id) con
       .subspan(begin_[landmark_idx], begin_[landmark_idx + 1] - begin_[landmark_idx]);
 }
 
-size_t LandmarkSightings::MemoryBytes(size_t num_landmarks, size_t num_observations) {
+size_t LandmarkKeyframes::MemoryBytes(size_t num_landmarks, size_t num_observations) {
   return (NumSlots(num_landmarks) + num_landmarks + 2 + num_observations) * sizeof(uint32_t);
 }
 

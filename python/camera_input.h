@@ -1,6 +1,6 @@
 // What a camera saw, as Python states it: a file, its bytes, pixels or features.
-#ifndef CAIRN_PYTHON_SIGHT_H_
-#define CAIRN_PYTHON_SIGHT_H_
+#ifndef CAIRN_PYTHON_CAMERA_INPUT_H_
+#define CAIRN_PYTHON_CAMERA_INPUT_H_
 
 #include <cstdint>
 #include <memory>
@@ -24,7 +24,7 @@ struct PixelView {
 };
 
 // One of the four is set. The object of Python keeps what spans and views show.
-struct Sight {
+struct CameraInput {
   std::string path;
   std::span<const uint8_t> encoded;
   PixelView pixels;
@@ -32,7 +32,7 @@ struct Sight {
 };
 
 // Throws Error(kInvalidArgument) that names the argument if `value` is none of the four.
-Sight SightOf(const std::string& argument, py::handle value);
+CameraInput CameraInputOf(const std::string& argument, py::handle value);
 
 // A picture and what its file says about it.
 struct Picture {
@@ -43,7 +43,7 @@ struct Picture {
 
 // The encoded image of a file, or the bytes, or the pixels as a PGM. Not for features. Throws as
 // ReadImageBytes.
-std::vector<uint8_t> EncodedImage(const Sight& sight);
+std::vector<uint8_t> EncodedImage(const CameraInput& input);
 
 // Whether a picture is turned: to the size of `camera` or, if that is null, upright.
 bool WantsTurn(const ExifInfo& exif, const Camera* camera);
@@ -51,8 +51,8 @@ bool WantsTurn(const ExifInfo& exif, const Camera* camera);
 // Decodes the picture and turns it to the size of `camera` or, if that is null, upright, as `cairn
 // localize` does. Not for features. Does not need the GIL. Throws as DecodeGrayImage; the message
 // names the file or the argument.
-Picture ReadPicture(const Sight& sight, const Camera* camera);
+Picture ReadPicture(const CameraInput& input, const Camera* camera);
 
 }  // namespace cairn::python
 
-#endif  // CAIRN_PYTHON_SIGHT_H_
+#endif  // CAIRN_PYTHON_CAMERA_INPUT_H_
