@@ -136,7 +136,7 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
     prior.accuracy_m = NumberInRange("accuracy", *accuracy, 1e-3, 1e5);
   }
   const std::shared_ptr<const ServedMap> map = service.map();
-  const MapSnapshot snapshot = map->store->Snapshot();
+  const MapSnapshot snapshot = map->store().Snapshot();
   const SearchRegion region = RegionOfPrior(prior, map->localizer->options().prior);
   Json tiles = Json::array();
   for (const TileRecord& tile : snapshot.FindTiles(RegionBounds(region))) {
@@ -155,7 +155,7 @@ HttpResponse HandleAvailability(const HttpRequest& request, const LocalizeServic
 HttpResponse HandleCoverage(const HttpRequest& request, LocalizeService* service) {
   const auto turn = service->WaitForTurn(request);
   const std::shared_ptr<const ServedMap> map = service->map();
-  const MapSnapshot snapshot = map->store->Snapshot();
+  const MapSnapshot snapshot = map->store().Snapshot();
   const TilePage page = FindTiles(request, snapshot);
   Json features = Json::array();
   for (const TileRecord& tile : page.tiles) {
@@ -176,7 +176,7 @@ HttpResponse HandleCoverage(const HttpRequest& request, LocalizeService* service
 HttpResponse HandleTiles(const HttpRequest& request, LocalizeService* service) {
   const auto turn = service->WaitForTurn(request);
   const std::shared_ptr<const ServedMap> map = service->map();
-  const MapSnapshot snapshot = map->store->Snapshot();
+  const MapSnapshot snapshot = map->store().Snapshot();
   const TilePage page = FindTiles(request, snapshot);
   Json json = {{"tiles", Json::array()}};
   for (const TileRecord& tile : page.tiles) {
@@ -190,7 +190,7 @@ HttpResponse HandleVersions(const HttpRequest& request, LocalizeService* service
   const auto turn = service->WaitForTurn(request);
   const auto limit = static_cast<size_t>(Limit(request));
   const std::shared_ptr<const ServedMap> map = service->map();
-  const MapSnapshot snapshot = map->store->Snapshot();
+  const MapSnapshot snapshot = map->store().Snapshot();
   std::vector<VersionRecord> versions = snapshot.Versions(static_cast<int64_t>(limit) + 1);
   const bool truncated = versions.size() > limit;
   if (truncated) {
@@ -210,7 +210,7 @@ HttpResponse HandleVersions(const HttpRequest& request, LocalizeService* service
 HttpResponse HandleTile(const HttpRequest& request, const std::string& id,
                         const LocalizeService& service) {
   const std::shared_ptr<const ServedMap> map = service.map();
-  const TileRecord tile = RequireTile(id, map->store->Snapshot());
+  const TileRecord tile = RequireTile(id, map->store().Snapshot());
   const std::string tag = map->TileTag(tile);
   if (IsUnchanged(request, tag)) {
     return WithTag({.status = 304}, tag);
@@ -222,7 +222,7 @@ HttpResponse HandleTilePayload(const HttpRequest& request, const std::string& id
                                LocalizeService* service) {
   const auto turn = service->WaitForTurn(request);
   const std::shared_ptr<const ServedMap> map = service->map();
-  return ReadLatest(*map->store, {}, [&](const MapSnapshot& snapshot) {
+  return ReadLatest(map->store(), {}, [&](const MapSnapshot& snapshot) {
     const TileRecord tile = RequireTile(id, snapshot);
     const std::string tag = map->TileTag(tile);
     if (IsUnchanged(request, tag)) {

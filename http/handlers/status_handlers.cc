@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 // Returns the latest version of the map. Throws HttpError kUnavailable if the map cannot be read.
 MapVersion RequireReadableMap(const ServedMap& map) {
   try {
-    return map.store->Snapshot().version();
+    return map.store().Snapshot().version();
   } catch (const Error& e) {
     LogError("the map cannot be read: {}", e.what());
     throw HttpError(ProblemCode::kUnavailable, "the map cannot be read; see the server's log");
@@ -27,7 +27,7 @@ MapVersion RequireReadableMap(const ServedMap& map) {
 // Returns nothing if the map cannot be read. The other metrics are still needed then.
 std::optional<ServerState::Head> HeadOf(const ServedMap& map, LocalizeService* service) {
   try {
-    const MapSnapshot snapshot = map.store->Snapshot();
+    const MapSnapshot snapshot = map.store().Snapshot();
     return ServerState::Head{
         .version = snapshot.version(),
         .created_unix_s = service->publication_time().UnixSecondsOf(snapshot, map.created_at),
@@ -41,7 +41,7 @@ std::optional<ServerState::Head> HeadOf(const ServedMap& map, LocalizeService* s
 // Returns the reason why answers may be out of date, or an empty text.
 std::string ProblemOf(const LocalizeService& service, const ServedMap& map) {
   const std::string problem = service.maps().Problem();
-  return problem.empty() && map.store->Snapshot().is_stale()
+  return problem.empty() && map.store().Snapshot().is_stale()
              ? "PostgreSQL is silent; answers come from the caches of the server"
              : problem;
 }
@@ -97,7 +97,7 @@ HttpResponse HandleMetrics(LocalizeService* service) {
 
 HttpResponse HandleVersion(const LocalizeService& service) {
   const std::shared_ptr<const ServedMap> map = service.map();
-  const MapSnapshot snapshot = map->store->Snapshot();
+  const MapSnapshot snapshot = map->store().Snapshot();
   const MapInfo info = snapshot.Info();
   const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
   const ServerOptions& options = service.options();

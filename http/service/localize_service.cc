@@ -69,7 +69,7 @@ void CheckCodec(const MapSnapshot& map, const LocalizeQuery& query) {
 }
 
 LocalizeResult LateAnswer(const ServedMap& map, const LocalizeQuery& query) {
-  return LateResult(query, map.localizer->options(), map.store->Snapshot());
+  return LateResult(query, map.localizer->options(), map.store().Snapshot());
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ LocalizeRequest LocalizeService::Read(const ServedMap& map, const HttpRequest& h
   request.timeout_ms = std::min(request.timeout_ms, options_.max_timeout_ms);
   request.query.deadline = http.arrival + milliseconds(request.timeout_ms);
   if (!request.has_images()) {  // Refuse it before it waits for its turn.
-    CheckCodec(map.store->Snapshot(), request.query);
+    CheckCodec(map.store().Snapshot(), request.query);
   }
   return request;
 }
@@ -155,7 +155,7 @@ LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, cons
       return answer;
     }
   }
-  answer.result = ReadLatest(*map.store, request.query.deadline, [&](const MapSnapshot& version) {
+  answer.result = ReadLatest(map.store(), request.query.deadline, [&](const MapSnapshot& version) {
     CheckCodec(version, request.query);
     return map.localizer->LocalizeIn(version, request.query);
   });

@@ -71,8 +71,7 @@ std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileC
   const MapInfo info = snapshot.Info();
   snapshot.CurrentCodebook();  // Throws if it is damaged.
   return std::make_shared<ServedMap>(
-      ServedMap{.store = store,
-                .localizer = std::move(localizer),
+      ServedMap{.localizer = std::move(localizer),
                 .created_at = info.created_at,
                 .version_when_opened = info.version,
                 .is_stand_in = mode == OpenMode::kImmutable,
@@ -100,7 +99,7 @@ void ServedMaps::Look(bool is_forced) {
   const bool is_alone = ReleaseReplaced();
   const std::shared_ptr<const ServedMap> current = Current();
   try {
-    switch (current->store->FileState()) {
+    switch (current->store().FileState()) {
       case MapFileState::kMissing:
         return SetProblem("the map file is missing",
                           "the server keeps serving the map that it has open");
@@ -183,7 +182,7 @@ void ServedMaps::FollowMountedFile(const ServedMap& current) {
 
 void ServedMaps::TakePlaceOfStandIn() {
   const std::shared_ptr<const ServedMap> stand_in = Current();
-  const std::string log_path = stand_in->store->LogPath();
+  const std::string log_path = stand_in->store().LogPath();
   if (LogIsOfReplacedMap(log_path)) {
     return SetProblem(
         "the write-ahead log beside the map file belongs to the previous map; updates are not "
@@ -192,7 +191,7 @@ void ServedMaps::TakePlaceOfStandIn() {
   }
   std::shared_ptr<ServedMap> next = Open(OpenMode::kServing, stand_in->localizer->cache());
   if (next->created_at != stand_in->created_at ||
-      stand_in->store->FileState() != MapFileState::kInPlace) {
+      stand_in->store().FileState() != MapFileState::kInPlace) {
     return;  // The file is being replaced again; the next check sees it.
   }
   ReplaceCurrent(std::move(next));

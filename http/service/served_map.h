@@ -18,7 +18,6 @@ namespace cairn {
 // An open map file. A query that holds a ServedMap uses this file even after another file has
 // replaced it.
 struct ServedMap {
-  std::shared_ptr<const MapStore> store;
   std::unique_ptr<Localizer> localizer;
   std::string created_at;
   MapVersion version_when_opened{};
@@ -31,6 +30,8 @@ struct ServedMap {
   bool is_mounted_alone = false;
   std::filesystem::file_time_type written_at;  // Of the file when it was opened.
   std::shared_ptr<const PinnedFile> log;  // The write-ahead log beside the file, if there was one.
+
+  const MapStore& store() const { return localizer->map(); }
 
   // Identifies the contents of a tile, for ETag. Different bytes have different tags, also across
   // maps.

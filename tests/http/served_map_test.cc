@@ -46,13 +46,13 @@ class ServedMapFiles : public ::testing::Test {
   }
   static std::string Sessions(const ServedMap& map) {
     std::string names;
-    for (const SessionRecord& session : map.store->Snapshot().Sessions()) {
+    for (const SessionRecord& session : map.store().Snapshot().Sessions()) {
       names += session.name + " ";
     }
     return names;
   }
   static void ExpectSound(const ServedMap& map) {
-    EXPECT_THAT(map.store->Check({}).problems, ::testing::IsEmpty());
+    EXPECT_THAT(map.store().Check({}).problems, ::testing::IsEmpty());
   }
 
   testing::TempDir dir_;
@@ -72,9 +72,9 @@ TEST_F(ServedMapFiles, AFileThatTakesTheNameIsServed) {
 TEST_F(ServedMapFiles, WhoHoldsTheOldMapKeepsItsFile) {
   ServedMaps maps({.path = path_});
   std::shared_ptr<const ServedMap> old = maps.Current();
-  std::optional<MapSnapshot> snapshot = old->store->Snapshot();
+  std::optional<MapSnapshot> snapshot = old->store().Snapshot();
   Replace("tuesday");
-  EXPECT_EQ(old->store->FileState(), MapFileState::kReplaced);
+  EXPECT_EQ(old->store().FileState(), MapFileState::kReplaced);
   // No connection to the old file can be made any more: this waits for the snapshot's.
   std::string sessions;
   std::thread other([&] { sessions = Sessions(*old); });
@@ -90,7 +90,7 @@ TEST_F(ServedMapFiles, WhoHoldsTheOldMapKeepsItsFile) {
 TEST_F(ServedMapFiles, UpdatesOfTheNewMapAreSeenWhenTheOldOneIsLeft) {
   ServedMaps maps({.path = path_});
   std::shared_ptr<const ServedMap> old = maps.Current();
-  old->store->Snapshot();  // Makes the log, as queries do.
+  old->store().Snapshot();  // Makes the log, as queries do.
   Replace("tuesday");
   maps.Refresh();
   maps.Refresh();
