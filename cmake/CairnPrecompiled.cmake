@@ -28,7 +28,10 @@ endif()
 # Options of single sources of a folder. These do without precompiled headers, with which GCC takes
 # some options, such as -fno-tree-vectorize, from the headers instead, and says nothing.
 function(cairn_source_options)
-  cmake_parse_arguments(ARG "" "" "SOURCES;OPTIONS" ${ARGN})
+  cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;OPTIONS" ${ARGN})
+  if(ARG_FOLDER)
+    list(TRANSFORM ARG_SOURCES PREPEND ${ARG_FOLDER}/)
+  endif()
   set_source_files_properties(${ARG_SOURCES} PROPERTIES
     COMPILE_OPTIONS "${ARG_OPTIONS}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()

@@ -3,13 +3,18 @@
 # The static library of a room, `cairn_NAME`. Its headers are visible to others only through the
 # target: each room has an include root of its own that holds nothing but a link to its folder, so an
 # #include against the arrows of docs/architecture.md does not compile.
-# ROOM names the folder when a room has several targets (default: NAME). APART: sources that use the
-# same names as others of the folder for parts that correspond. The release preset compiles each of
-# them alone, and the others of the folder together.
+# ROOM names the room when it has several targets (default: NAME). FOLDER: where in the room the
+# sources are (default: its root). APART: sources that use the same names as others of the folder for
+# parts that correspond. The release preset compiles each of them alone, and the others of the folder
+# together.
 function(cairn_library)
-  cmake_parse_arguments(ARG "" "NAME;ROOM" "SOURCES;APART;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;ROOM;FOLDER" "SOURCES;APART;PUBLIC;PRIVATE" ${ARGN})
   if(NOT ARG_ROOM)
     set(ARG_ROOM ${ARG_NAME})
+  endif()
+  if(ARG_FOLDER)
+    list(TRANSFORM ARG_SOURCES PREPEND ${ARG_FOLDER}/)
+    list(TRANSFORM ARG_APART PREPEND ${ARG_FOLDER}/)
   endif()
   set(target cairn_${ARG_NAME})
   set(include_root ${CMAKE_BINARY_DIR}/include/${ARG_ROOM})
