@@ -116,8 +116,8 @@ void ObservationLedger::TakeOut(const LedgerObservations& observations,
     }
     if (track != nullptr) {
       const int64_t frame_id = state.clones()[static_cast<size_t>(observation.clone)].frame_id;
-      std::erase_if(track->observations, [frame_id](const Observation& observation) {
-        return observation.frame_id == frame_id;
+      std::erase_if(track->observations, [frame_id](const Observation& of_track) {
+        return of_track.frame_id == frame_id;
       });
     }
   }

@@ -60,7 +60,7 @@ std::vector<PoseCandidate> CovisibilityCandidates(
     // For each keyframe, a landmark that it saw.
     std::vector<int> seen(view.tile->covisibility().num_keyframes(), -1);
     for (const auto& [id, number] : numbers) {
-      for (const uint32_t keyframe_idx : view.tile->history().KeyframesThatSaw(id)) {
+      for (const uint32_t keyframe_idx : view.tile->landmark_keyframes().KeyframesThatSaw(id)) {
         if (seen[keyframe_idx] >= 0) {
           sets.Join(seen[keyframe_idx], number);
         }

@@ -54,7 +54,7 @@ void WindowTracks::Forget(WindowTrack* track) {
 bool WindowTracks::TriangulateTrack(double sigma_px, const TriangulateOptions& options,
                                     WindowTrack* track) {
   std::vector<CameraView> views;
-  std::vector<Observation> observations;
+  std::vector<PosedObservation> observations;
   views.reserve(track->observations.size());
   for (const WindowObservation& observation : track->observations) {
     Clone clone;
