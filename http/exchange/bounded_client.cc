@@ -9,6 +9,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <string_view>
 
@@ -87,6 +88,9 @@ class GuardedClient final : public httplib::ClientImpl {
     deadline_ = deadline;
     guard_ = guard;
     failure_.clear();
+    if (HasUnaskedBytes()) {
+      stop();
+    }
   }
 
   // Why no connection came about, if TLS is the reason.
@@ -113,6 +117,17 @@ class GuardedClient final : public httplib::ClientImpl {
       close_socket(socket);
     }
     return failure_.empty();
+  }
+
+  // Whether bytes have come on the kept connection since the last response: the end of the
+  // connection, or a response that would be taken for that to the next request.
+  bool HasUnaskedBytes() {
+    const std::lock_guard lock(socket_mutex_);
+    if (!socket_.is_open()) {
+      return false;
+    }
+    pollfd kept{.fd = socket_.sock, .events = POLLIN, .revents = 0};
+    return (session_ != nullptr && session_->HasInput()) || poll(&kept, 1, /*timeout=*/0) > 0;
   }
 
   bool process_socket(const Socket& socket,

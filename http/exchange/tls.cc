@@ -121,6 +121,10 @@ void TlsSession::GiveInput(std::string_view encrypted) {
   BIO_write(input_, encrypted.data(), Length(encrypted));
 }
 
+bool TlsSession::HasInput() const {
+  return SSL_pending(session_) > 0 || BIO_ctrl_pending(input_) > 0;
+}
+
 std::string TlsSession::TakeOutput() {
   std::string output(BIO_ctrl_pending(output_), '\0');
   if (!output.empty()) {

@@ -43,6 +43,8 @@ class TlsSession {
   bool Write(std::string_view bytes);
 
   void GiveInput(std::string_view encrypted);
+  // Returns true if Read has not yet returned all that was given.
+  bool HasInput() const;
   std::string TakeOutput();
 
   // Says why the last step has failed.

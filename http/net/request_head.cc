@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
+#include <utility>
 
+#include "core/wire/header_line.h"
 #include "core/wire/problem.h"
 
 namespace cairn {
@@ -18,39 +21,9 @@ constexpr std::array<std::string_view, 8> kMethods = {"GET",    "HEAD",    "POST
   throw HttpError(code, detail);
 }
 
-bool IsTokenChar(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-         std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
-}
-
-bool IsToken(std::string_view text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), IsTokenChar);
-}
-
 // True for visible ASCII, the only characters allowed in a target, except '#'. Fragments are no
 // part of a target (RFC 9112 section 3.2), and a front may take "/metrics#a" for another path.
 bool IsTargetChar(char c) { return c > ' ' && c <= '~' && c != '#'; }
-
-// True except for control characters other than tab.
-bool IsValueChar(char c) {
-  const auto byte = static_cast<unsigned char>(c);
-  return byte == '\t' || (byte >= ' ' && byte != 0x7f);
-}
-
-std::string ToLower(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return lower;
-}
-
-std::string_view Trim(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) {
-    return {};
-  }
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
 
 // Removes and returns the first line of `rest`, without its CRLF.
 std::string_view TakeLine(std::string_view* rest) {
@@ -97,15 +70,12 @@ void ParseRequestLine(std::string_view line, RequestHead* head) {
 }
 
 void ParseHeaderLine(std::string_view line, RequestHead* head) {
-  const size_t colon = line.find(':');
-  if (colon == std::string_view::npos || !IsToken(line.substr(0, colon))) {
-    Refuse(ProblemCode::kBadRequest, "a header line is not 'Name: value'");
+  std::optional<HeaderLine> header = SplitHeaderLine(line);
+  if (!header) {
+    Refuse(ProblemCode::kBadRequest,
+           "a header line is not 'Name: value', or has a control character");
   }
-  const std::string_view value = Trim(line.substr(colon + 1));
-  if (!std::all_of(value.begin(), value.end(), IsValueChar)) {
-    Refuse(ProblemCode::kBadRequest, "a header value contains a control character");
-  }
-  head->headers.emplace_back(ToLower(line.substr(0, colon)), value);
+  head->headers.emplace_back(std::move(header->name), header->value);
 }
 
 // The value of a header that may occur at most once.
@@ -154,7 +124,7 @@ void CheckBodyFraming(size_t max_body_bytes, RequestHead* head) {
   if (!has_length && TakesBody(head->method)) {
     Refuse(ProblemCode::kLengthRequired, "the request has no Content-Length");
   }
-  const std::string encoding = ToLower(SingleHeader(*head, "content-encoding"));
+  const std::string encoding = ToLowerAscii(SingleHeader(*head, "content-encoding"));
   if (!encoding.empty() && encoding != "identity") {
     throw HttpError(ProblemCode::kUnsupportedEncoding, "compressed bodies are not accepted")
         .Hint("send the body without Content-Encoding");
@@ -170,9 +140,9 @@ void ReadConnectionHeaders(RequestHead* head) {
   }
   SingleHeader(*head, "host");
   SingleHeader(*head, "content-type");
-  const std::string connection = ToLower(head->Header("connection"));
+  const std::string connection = ToLowerAscii(head->Header("connection"));
   head->keep_alive = head->is_http_1_0 ? connection == "keep-alive" : connection != "close";
-  const std::string expect = ToLower(SingleHeader(*head, "expect"));
+  const std::string expect = ToLowerAscii(SingleHeader(*head, "expect"));
   if (!expect.empty() && expect != "100-continue") {
     Refuse(ProblemCode::kExpectationFailed, "this server knows only the expectation 100-continue");
   }

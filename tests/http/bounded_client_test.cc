@@ -81,7 +81,7 @@ TEST(BoundedClient, EndlessHeadsAndBodiesAreBrokenOff) {
   EXPECT_THAT(failure_of("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n", "1\r\n \r\n"),
               HasSubstr("100000 bytes"));
   EXPECT_THAT(failure_of("HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n", "0"),
-              HasSubstr("100000 bytes"));
+              HasSubstr("8192 bytes"));
   EXPECT_THAT(failure_of("", "HTTP/1.1 100 Continue\r\n\r\n"), HasSubstr("32768 bytes"));
 }
 
@@ -120,6 +120,35 @@ TEST(BoundedClient, WhatIsNotHttpIsSaid) {
   EXPECT_THAT(AnswerTo("SSH-2.0-OpenSSH_9.2\r\n").failure, HasSubstr("not HTTP"));
   EXPECT_EQ(AnswerTo("").status, 0);
   EXPECT_EQ(AnswerTo("HTTP/1.1 200 OK\r\nContent-Length: 10\r\n\r\nfive.").status, 0);
+}
+
+TEST(BoundedClient, ResponsesWithTwoLengthsAreRefused) {
+  const ClientResponse response =
+      AnswerTo("HTTP/1.1 200 OK\r\nContent-Length: 2\r\nContent-Length: 5\r\n\r\n{}   ");
+  EXPECT_EQ(response.status, 0);
+  EXPECT_TRUE(response.is_garbled);
+  EXPECT_THAT(response.failure, HasSubstr("two different Content-Lengths"));
+}
+
+TEST(BoundedClient, AResponseThatNobodyAskedForAnswersNoRequest) {
+  std::latch answered(1), planted(1);
+  int num_connections = 0;
+  const HostileServer server([&](Connection* connection) {
+    if (++num_connections == 2) {
+      connection->Send("HTTP/1.1 200 OK\r\nContent-Length: 6\r\n\r\nsecond");
+      return;
+    }
+    connection->Send("HTTP/1.1 200 OK\r\nContent-Length: 5\r\n\r\nfirst");
+    answered.wait();
+    connection->Send("HTTP/1.1 200 OK\r\nContent-Length: 7\r\n\r\nplanted");
+    planted.count_down();
+    connection->PeerClosesWithin(/*timeout_ms=*/20'000);
+  });
+  BoundedClient client({.url = server.url()});
+  EXPECT_EQ(client.Send({.path = "/"}).body, "first");
+  answered.count_down();
+  planted.wait();
+  EXPECT_EQ(client.Send({.path = "/"}).body, "second");
 }
 
 TEST(BoundedClient, StopEndsTheExchange) {
