@@ -18,6 +18,10 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr size_t kReceiveBytes = 64 * 1024;
+// Bytes of a body that are worth a look at the connection. A client that sends a body a byte at a
+// time would otherwise wake the event loop for each byte. Small beside the kernel's buffers, and at
+// the least rate of a body a few seconds' worth, so that the peer's deadline stays exact enough.
+constexpr size_t kBodyBatch = 16 * 1024;
 // Capacity that the buffer of an idle connection keeps.
 constexpr size_t kIdleBytes = 4096;
 // Bytes of empty lines before a request. Clients send one such line at most.
@@ -114,8 +118,23 @@ bool Connection::FindRequest() {
     if (request_.head.expects_continue && in_.size() < request_.head.content_length) {
       out_.head += "HTTP/1.1 100 Continue\r\n\r\n";
     }
+    ExpectBody();
   }
   return phase_ == Phase::kBody && in_.size() >= request_.head.content_length;
+}
+
+void Connection::ExpectBody() {
+  const size_t length = request_.head.content_length;
+  ExpectBytes(in_.size() < length ? std::min(length - in_.size(), kBodyBatch) : 1);
+}
+
+// Sockets that cannot count report each byte, which costs only time.
+void Connection::ExpectBytes(size_t num_bytes) {
+  if (num_bytes != num_expected_bytes_) {
+    num_expected_bytes_ = num_bytes;
+    const int value = static_cast<int>(num_bytes);
+    setsockopt(socket_.fd(), SOL_SOCKET, SO_RCVLOWAT, &value, sizeof(value));
+  }
 }
 
 bool Connection::FindHead() {
@@ -150,6 +169,7 @@ ReceivedRequest Connection::TakeRequest() {
 }
 
 void Connection::Respond(ResponseText text, bool keep_alive) {
+  ExpectBytes(1);
   out_.head.erase(0, num_sent_);
   num_sent_ = 0;
   out_.head += text.head;
@@ -200,6 +220,7 @@ Connection::Transfer Connection::ReadSome() {
   }
   if (phase_ == Phase::kBody) {
     RewardBody(received);
+    ExpectBody();
   } else if (phase_ == Phase::kDraining) {
     RewardDraining(received);
   }

@@ -85,6 +85,9 @@ class Connection {
   // The deadline for the peer's next step, and the time since when the peer could have taken it.
   TimePoint deadline() const { return deadline_; }
   TimePoint waiting_since() const { return waiting_since_; }
+  // True if a part of a body has arrived. The socket then reports nothing until a batch of bytes
+  // has come (kBodyBatch), so report it as readable once more before GiveUp.
+  bool is_receiving_body() const { return phase_ == Phase::kBody; }
   // True if no byte of the next request has arrived and nothing is unsent.
   bool is_idle() const { return phase_ == Phase::kIdle; }
   bool has_served() const { return has_served_; }
@@ -108,6 +111,9 @@ class Connection {
   bool FindHead();
   void SkipEmptyLines();
   Transfer ReadSome();
+  // Lets the socket become readable only once this many bytes have come.
+  void ExpectBytes(size_t num_bytes);
+  void ExpectBody();
   // Extends the deadline of the body after `num_bytes` more have arrived.
   void RewardBody(int64_t num_bytes);
   // Counts bytes that arrived after the last response, and gives the peer more time for others.
@@ -122,6 +128,7 @@ class Connection {
   Phase phase_ = Phase::kIdle;
   bool is_readable_ = true;  // Possibly; the next read finds out.
   bool peer_has_finished_ = false;
+  size_t num_expected_bytes_ = 1;  // See ExpectBytes.
   bool has_served_ = false;
   bool keep_alive_ = true;
   TimePoint waiting_since_;

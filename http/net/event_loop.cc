@@ -284,7 +284,11 @@ void EventLoop::Expire() {
     }
   }
   for (Entry* entry : late) {
-    if (entry->is_closed) {
+    if (!entry->is_closed && entry->is_receiving_body()) {
+      entry->NoteReadable();  // Bytes may have come that were too few for an event.
+      Advance(entry);
+    }
+    if (entry->is_closed || entry->is_lent || DeadlineOf(*entry) > now) {
       continue;
     }
     try {

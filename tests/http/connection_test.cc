@@ -2,6 +2,7 @@
 #include "http/net/connection.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <chrono>
@@ -10,6 +11,7 @@
 #include <string_view>
 
 #include "core/wire/problem.h"
+#include "http/raw_socket.h"
 
 namespace cairn {
 namespace {
@@ -73,6 +75,38 @@ TEST_F(ConnectionTest, BytesThatComeOneByOneCountAsMuchAsOthers) {
   const auto before = connection_->deadline();
   ASSERT_EQ(Receive("x"), Next::kWait);
   EXPECT_GT(connection_->deadline(), before);
+}
+
+// Otherwise 64 clients that send a byte at a time take most of a core.
+TEST(ConnectionOverTcp, ABodyWakesItsReaderOnceABatch) {
+  const ConnectionLimits limits;
+  const Socket listening = ListenOn("127.0.0.1", 0);
+  testing::RawSocket client(LocalPort(listening));
+  Peer peer;
+  Connection connection(Accept(listening, seconds(10), &peer), peer, &limits);
+  const auto wakes = [&](int timeout_ms) {
+    pollfd waiting{.fd = connection.socket().fd(), .events = POLLIN, .revents = 0};
+    return poll(&waiting, 1, timeout_ms) > 0;
+  };
+  const auto receive = [&] {
+    EXPECT_TRUE(wakes(/*timeout_ms=*/20'000));
+    connection.NoteReadable();
+    return connection.Proceed();
+  };
+  client.Send("POST / HTTP/1.1\r\nHost: h\r\nContent-Length: 20000\r\n\r\n");
+  ASSERT_EQ(receive(), Next::kWait);
+  client.Send(std::string(1000, 'x'));
+  EXPECT_FALSE(wakes(/*timeout_ms=*/0));
+  client.Send(std::string(17'000, 'x'));
+  ASSERT_EQ(receive(), Next::kWait);
+  client.Send(std::string(1999, 'x'));
+  EXPECT_FALSE(wakes(/*timeout_ms=*/0));
+  client.Send("x");
+  ASSERT_EQ(receive(), Next::kRequest);
+  EXPECT_EQ(connection.TakeRequest().body, std::string(20'000, 'x'));
+  connection.Respond({"HTTP/1.1 200 OK\r\n\r\n", ""}, /*keep_alive=*/true);
+  client.Send("G");
+  EXPECT_TRUE(wakes(/*timeout_ms=*/20'000));
 }
 
 // The client's timeout must not run while the photo is on its way.

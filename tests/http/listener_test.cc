@@ -64,10 +64,10 @@ class Handler : public RequestHandler {
     }
   }
   HttpResponse Refuse(const HttpError& error, const RefusedRequest& request) override {
-    return {
-        .status = InfoOf(error.problem()).status,
-        .content_type = "text/plain",
-        .body = "no: " + request.method + " " + request.target + " from " + request.remote_address};
+    return {.status = InfoOf(error.problem()).status,
+            .content_type = "text/plain",
+            .body = std::string(error.what()) + " no: " + request.method + " " + request.target +
+                    " from " + request.remote_address};
   }
 
   void Release() {
@@ -200,6 +200,16 @@ TEST_F(ListenerUnderAttack, RequestsThatDoNotArriveInTimeAreToldSo) {
   EXPECT_THAT(Connect(kHalfHead)->ReadAll(), StartsWith("HTTP/1.1 408"));
   EXPECT_THAT(Connect(Post(10))->ReadAll(), StartsWith("HTTP/1.1 408"));
   EXPECT_EQ(Connect("")->ReadAll(), "");
+}
+
+TEST_F(ListenerUnderAttack, BytesTooFewToWakeTheLoopCountAtTheDeadline) {
+  options_.connection.body_timeout = milliseconds(500);
+  Start();
+  const auto client = Connect(
+      "POST / HTTP/1.1\r\nHost: h\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");
+  ASSERT_THAT(client->ReadResponse(), StartsWith("HTTP/1.1 100"));
+  client->Send("five.");
+  EXPECT_THAT(client->ReadAll(), HasSubstr("5 of 1000000 body bytes arrived in time"));
 }
 
 TEST_F(ListenerUnderAttack, FloodsOfEmptyLinesAreEnded) {
