@@ -13,6 +13,13 @@ target_compile_options(cairn_compiler_options INTERFACE
   # With the compiler of Debian 12, which CI has; others may see what it does not.
   $<$<AND:$<BOOL:${PROJECT_IS_TOP_LEVEL}>,$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,12>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Werror>)
 
+# The baseline of x86-64 has no fused multiply-add. Where the baseline has one, as on arm64, the
+# compiler would use it wherever it finds a product and a sum, and what is stored would have other
+# last bits.
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+  target_compile_options(cairn_compiler_options INTERFACE -ffp-contract=off)
+endif()
+
 if(PROJECT_IS_TOP_LEVEL)
   if(NOT CMAKE_BUILD_TYPE)
     set(CMAKE_BUILD_TYPE Release)
