@@ -7,6 +7,7 @@
 #include <set>
 
 #include "cli/query_features.h"
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/logging.h"
 #include "core/printable.h"
@@ -30,9 +31,9 @@ std::vector<KeyframeRecord> AllKeyframes(const MapSnapshot& map) {
 }
 
 // Returns nothing, with the reason in `why_not`, if the map cannot place the model.
-std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
-                                const std::vector<KeyframeRecord>& keyframes,
-                                std::string* why_not) {
+std::optional<ReferenceAlignment> AlignToMap(const Reconstruction& reconstruction,
+                                             const std::vector<KeyframeRecord>& keyframes,
+                                             std::string* why_not) {
   const std::optional<ReferenceAlignment> alignment = AlignToKeyframes(reconstruction, keyframes);
   if (!alignment) {
     *why_not = "the map holds fewer than three images of the model";
@@ -45,15 +46,18 @@ std::optional<Sim3d> AlignToMap(const Reconstruction& reconstruction,
   }
   LogInfo(
       "reference: the model, aligned to {} images of the map; residual {:.4f} m median, "
-      "{:.4f} m largest",
-      alignment->num_shared_images, alignment->median_residual_m, alignment->max_residual_m);
-  return alignment->ecef_from_world;
+      "{:.4f} m largest; the radii of answers are judged with {:.4f} m and {:.4f} deg of the "
+      "reference",
+      alignment->num_shared_images, alignment->median_residual_m, alignment->max_residual_m,
+      alignment->radius68_m, kDegPerRad * alignment->radius68_rad);
+  return alignment;
 }
 
 // Where the model stands, and in which frame that is right.
 struct PlacedReference {
   Sim3d ecef_from_world;
   ReferenceFrame frame = ReferenceFrame::kEarth;
+  double radius_m = 0.0, radius_rad = 0.0;  // As EvalQuery's.
 };
 
 PlacedReference PlaceReference(const Reconstruction& reconstruction,
@@ -62,9 +66,11 @@ PlacedReference PlaceReference(const Reconstruction& reconstruction,
                                const std::vector<KeyframeRecord>& keyframes) {
   std::string why_not = "--align-to positions";
   if (arguments.reference_source != ReferenceSource::kPositions) {
-    const std::optional<Sim3d> aligned = AlignToMap(reconstruction, keyframes, &why_not);
+    const std::optional<ReferenceAlignment> aligned =
+        AlignToMap(reconstruction, keyframes, &why_not);
     if (aligned) {
-      return {*aligned, ReferenceFrame::kMap};
+      return {aligned->ecef_from_world, ReferenceFrame::kMap, aligned->radius68_m,
+              aligned->radius68_rad};
     }
     if (arguments.reference_source == ReferenceSource::kMap) {
       throw Error(ErrorCode::kBadInput, "cannot align the model to the map: " + why_not);
@@ -83,7 +89,7 @@ PlacedReference PlaceReference(const Reconstruction& reconstruction,
   for (const std::string& note : fit.notes) {
     LogWarning("{}", note);
   }
-  return {fit.ecef_from_world, ReferenceFrame::kEarth};
+  return {fit.ecef_from_world, ReferenceFrame::kEarth, 0.0, 0.0};
 }
 
 // The names of the queries: those of the list, or all images of the model that the map does not
@@ -148,6 +154,8 @@ std::vector<EvalQuery> QueriesFromModel(const EvalQueryArguments& arguments,
       QueriesFromReconstruction(reconstruction, reference.ecef_from_world, arguments.image_dir);
   for (EvalQuery& query : queries) {
     query.reference_frame = reference.frame;
+    query.reference_radius_m = reference.radius_m;
+    query.reference_radius_rad = reference.radius_rad;
   }
   std::erase_if(queries, [&](const EvalQuery& query) { return !names.contains(query.name); });
   return queries;

@@ -26,6 +26,8 @@ struct EvalQuery {
   LocalizeQuery query;    // The features may be empty if one of the paths is set.
   Rigid3d cam_from_ecef;  // Reference pose.
   ReferenceFrame reference_frame = ReferenceFrame::kEarth;
+  // The 68 % radii of the reference pose itself; 0: it is exact.
+  double reference_radius_m = 0.0, reference_radius_rad = 0.0;
 };
 
 // A generator seeded by the query's name and `seed`, so that a query draws the same numbers in

@@ -1,6 +1,7 @@
 #include "eval/evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -59,12 +60,17 @@ void MeasureLatency(EvalReport* report) {
   report->total_seconds = ComputePercentiles(std::move(total_seconds));
 }
 
-void MeasureCoverage(EvalReport* report) {
+// An error is the distance between two poses, of which both are wrong.
+void MeasureCoverage(const std::vector<EvalQuery>& queries, EvalReport* report) {
   int num_positions = 0, num_rotations = 0;
-  for (const EvalAnswer& answer : report->answers) {
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const EvalQuery& query = queries[i];
+    const EvalAnswer& answer = report->answers[i];
     if (answer.result.localized) {
-      num_positions += answer.position_error_m <= answer.position_accuracy_m;
-      num_rotations += answer.rotation_error_rad <= answer.rotation_accuracy_rad;
+      num_positions += answer.position_error_m <=
+                       std::hypot(answer.position_accuracy_m, query.reference_radius_m);
+      num_rotations += answer.rotation_error_rad <=
+                       std::hypot(answer.rotation_accuracy_rad, query.reference_radius_rad);
     }
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -112,7 +118,7 @@ EvalReport MeasureResults(const std::vector<EvalQuery>& queries,
     report.answers.push_back(CompareToReference(queries[i], std::move(results[i])));
   }
   MeasureAccuracyOf(&report);
-  MeasureCoverage(&report);
+  MeasureCoverage(queries, &report);
   MeasureLatency(&report);
   return report;
 }

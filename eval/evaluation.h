@@ -59,8 +59,8 @@ struct EvalReport {
   std::vector<std::pair<RecallThreshold, Interval>> recalls;
   Interval median_position_error_m;  // Over localized queries.
   Interval median_rotation_error_rad;
-  // Shares of localized queries whose errors are within the radii that the answers state; 0.68 if
-  // the answers know their accuracy.
+  // Shares of localized queries whose errors are within the radii that the answers state, each with
+  // that of its reference in quadrature; 0.68 if the answers know their accuracy.
   Interval position_coverage;
   Interval rotation_coverage;
   Interval

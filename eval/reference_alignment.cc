@@ -4,9 +4,14 @@
 #include <algorithm>
 #include <string>
 #include <unordered_map>
+#include <utility>
+
+#include "eval/evaluation_bootstrap.h"
 
 namespace cairn {
 namespace {
+
+constexpr double kShareOfRadius68 = 0.68;
 
 // One image with its poses in the reconstruction and in the map.
 struct SharedImage {
@@ -89,17 +94,18 @@ std::optional<ReferenceAlignment> AlignToKeyframes(const Reconstruction& reconst
   ReferenceAlignment alignment;
   alignment.ecef_from_world = *ecef_from_world;
   alignment.num_shared_images = static_cast<int>(shared.size());
-  std::vector<double> residuals_m;
+  std::vector<double> residuals_m, residuals_rad;
   for (const SharedImage& image : shared) {
     const Rigid3d aligned = CamFromTarget(image.cam_from_world, *ecef_from_world);
     residuals_m.push_back((aligned.Inverse().translation - image.CenterInEcef()).norm());
-    alignment.max_residual_rad =
-        std::max(alignment.max_residual_rad,
-                 RotationAngleRad(aligned.rotation, image.cam_from_ecef.rotation));
+    residuals_rad.push_back(RotationAngleRad(aligned.rotation, image.cam_from_ecef.rotation));
   }
   std::sort(residuals_m.begin(), residuals_m.end());
   alignment.median_residual_m = residuals_m[residuals_m.size() / 2];
   alignment.max_residual_m = residuals_m.back();
+  alignment.radius68_m = Quantile(std::move(residuals_m), kShareOfRadius68);
+  alignment.max_residual_rad = *std::max_element(residuals_rad.begin(), residuals_rad.end());
+  alignment.radius68_rad = Quantile(std::move(residuals_rad), kShareOfRadius68);
   return alignment;
 }
 

@@ -16,7 +16,9 @@ struct ReferenceAlignment {
   int num_shared_images = 0;
   // Distances between the camera centers of the shared images after alignment.
   double median_residual_m = 0.0;
+  double radius68_m = 0.0;  // 68 % are less: how far the two differ in shape.
   double max_residual_m = 0.0;
+  double radius68_rad = 0.0;  // The same of the rotations of the shared images.
   double max_residual_rad = 0.0;
 };
 

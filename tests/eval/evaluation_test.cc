@@ -112,6 +112,23 @@ TEST(Evaluate, TakesMediansOfLocalizedQueriesOnly) {
   EXPECT_NEAR(report.median_rotation_error_rad.value, 0.0025, 1e-8);
 }
 
+TEST(Evaluate, JudgesRadiiWithThatOfTheReference) {
+  std::vector<EvalQuery> queries = {QueryAtOrigin("exact"), QueryAtOrigin("uncertain")};
+  queries[1].reference_radius_m = 0.4;
+  queries[1].reference_radius_rad = 0.04;
+  std::vector<LocalizeResult> results;
+  for (EvalQuery& query : queries) {
+    query.reference_frame = ReferenceFrame::kMap;
+    results.push_back(AnswerOff(query, 0.45, 0.045, 1.0));
+    results.back().position_accuracy_m = 0.3;
+    results.back().rotation_accuracy_rad = 0.03;
+  }
+  const EvalReport report = MeasureResults(queries, std::move(results));
+  EXPECT_DOUBLE_EQ(report.position_coverage.value, 0.5);
+  EXPECT_DOUBLE_EQ(report.rotation_coverage.value, 0.5);
+  EXPECT_DOUBLE_EQ(report.answers[1].position_accuracy_m, 0.3);  // What the answer states.
+}
+
 TEST(Evaluate, IntervalsHoldTheValueAndShrinkWithoutDoubt) {
   std::vector<EvalQuery> queries;
   std::vector<LocalizeResult> mixed, perfect;

@@ -81,5 +81,21 @@ TEST_F(ReferenceAlignmentTest, ReportsWhatDoesNotFit) {
   EXPECT_GT(alignment->max_residual_rad, 0.15);
 }
 
+// A map of another shape than the model: its radii are compared with errors of both.
+TEST_F(ReferenceAlignmentTest, TellsHowFarTheShapesDiffer) {
+  std::vector<KeyframeRecord> keyframes;
+  for (int i = 0; i < 10; ++i) {
+    const double bend_m = 0.1 * (i % 2 == 0 ? 1.0 : -1.0);
+    const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
+    keyframes.push_back(Keyframe(i));
+    keyframes.back().cam_from_ecef =
+        Rigid3d(none, Eigen::Vector3d(0.0, bend_m, 0.0)) * keyframes.back().cam_from_ecef;
+  }
+  const auto alignment = AlignToKeyframes(reconstruction_, keyframes);
+  ASSERT_TRUE(alignment);
+  EXPECT_NEAR(alignment->radius68_m, 0.1, 0.02);
+  EXPECT_LT(alignment->radius68_rad, 1e-6);
+}
+
 }  // namespace
 }  // namespace cairn
