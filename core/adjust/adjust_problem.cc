@@ -14,6 +14,38 @@
 #include "core/scene/triangulate.h"
 
 namespace cairn {
+namespace {
+
+// Above this, the poses' system is solved by iterations. An image that shares landmarks with d
+// others costs a factorization about d * d blocks, so photos of one place cost the cube of their
+// number. Iterations cost as much as there are observations, times a number that is small if many
+// images see the same, and large if the images are a chain.
+constexpr double kMaxNeighborsToFactor = 400.0;
+
+// The root mean square, over the images, of the number of others with which they share landmarks.
+double NeighborsOfImages(const Reconstruction& model) {
+  std::vector<std::vector<int>> landmarks_of_image(model.images.size());
+  for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    for (const ReconObservation& seen : model.landmarks[i].observations) {
+      landmarks_of_image[seen.image_idx].push_back(static_cast<int>(i));
+    }
+  }
+  std::vector<int> last_met(model.images.size(), -1);
+  double sum_sq = 0.0;
+  for (int image = 0; image < static_cast<int>(model.images.size()); ++image) {
+    double count = 0.0;
+    for (const int landmark : landmarks_of_image[image]) {
+      for (const ReconObservation& seen : model.landmarks[landmark].observations) {
+        count += last_met[seen.image_idx] != image ? 1.0 : 0.0;
+        last_met[seen.image_idx] = image;
+      }
+    }
+    sum_sq += count * count;
+  }
+  return std::sqrt(sum_sq / static_cast<double>(std::max<size_t>(1, model.images.size())));
+}
+
+}  // namespace
 
 AdjustProblem::AdjustProblem(std::span<const CameraFreedom> freedom_of_camera,
                              std::span<const AdjustableCamera> cameras, const AdjustPriors& priors,
@@ -192,8 +224,11 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   // One thread: Ceres adds up the sums of several threads in the order in which they end.
   // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
   options.num_threads = 1;
-  options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.linear_solver_type = NeighborsOfImages(model_) > kMaxNeighborsToFactor
+                                   ? ceres::ITERATIVE_SCHUR
+                                   : ceres::SPARSE_SCHUR;
+  options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;
   options.logging_type = ceres::SILENT;

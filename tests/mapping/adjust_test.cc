@@ -36,7 +36,8 @@ Rigid3d LookAtOrigin(const Eigen::Vector3d& center) {
   return {rotation, -(rotation * center)};
 }
 
-Scene MakeScene(double pixel_sigma_px, const Camera& camera, int num_images = 10) {
+Scene MakeScene(double pixel_sigma_px, const Camera& camera, int num_images = 10,
+                int num_landmarks = 200) {
   Scene scene;
   Reconstruction& model = scene.truth;
   model.cameras = {camera};
@@ -48,7 +49,7 @@ Scene MakeScene(double pixel_sigma_px, const Camera& camera, int num_images = 10
         LookAtOrigin(Eigen::Vector3d(8.0 * std::sin(angle), 0.3 * (i % 3), -8.0 * std::cos(angle)));
     model.images.push_back(image);
   }
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < num_landmarks; ++i) {
     ReconLandmark landmark;
     landmark.x_in_world = scene.Noise3(1.5);
     for (int j = 0; j < num_images; ++j) {
@@ -245,6 +246,18 @@ TEST(Adjust, FollowsFixedLandmarks) {
     EXPECT_LT((found.translation - truth.translation).norm(), 1e-4);
     EXPECT_LT(RotationAngleRad(found.rotation, truth.rotation), 1e-4);
   }
+}
+
+// So many images that share landmarks are adjusted without a factorization.
+TEST(Adjust, FindsManyImagesOfOnePlace) {
+  Scene scene = MakeScene(0.3, Pinhole(), 405, 40);
+  Reconstruction model = scene.truth;
+  Perturb(0.003, 0.02, &scene, &model);
+  AdjustOptions options;
+  options.max_rounds = 1;
+  const AdjustReport report = Adjust(kFixed, {}, options, model);
+  EXPECT_LT(report.rms_px, 0.6);
+  EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 0.03);
 }
 
 TEST(Adjust, IsTheSameOnAnyNumberOfThreads) {
