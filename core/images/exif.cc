@@ -1,6 +1,7 @@
 #include "core/images/exif.h"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -23,6 +24,9 @@ constexpr uint16_t kMakeTag = 0x010f, kModelTag = 0x0110;
 constexpr uint16_t kDateTimeOriginalTag = 0x9003;
 constexpr uint16_t kPixelWidthTag = 0xa002, kPixelHeightTag = 0xa003;
 constexpr uint16_t kFocalLengthIn35mmTag = 0xa405;
+constexpr uint16_t kFocalLengthTag = 0x920a, kDigitalZoomTag = 0xa404;
+constexpr uint16_t kFocalPlaneAcrossTag = 0xa20e, kFocalPlaneAlongTag = 0xa20f;
+constexpr uint16_t kFocalPlaneUnitTag = 0xa210;
 // Tags of the GPS directory.
 constexpr uint16_t kLatitudeRefTag = 0x01, kLatitudeTag = 0x02;
 constexpr uint16_t kLongitudeRefTag = 0x03, kLongitudeTag = 0x04;
@@ -99,19 +103,58 @@ std::optional<double> TimeOf(std::string_view text) {
   return 86400.0 * static_cast<double>(days) + 3600.0 * values[3] + 60.0 * values[4] + values[5];
 }
 
-uint64_t HashOf(std::string_view make, std::string_view model) {
+// The number of a tag of which zero and negative values stand for "unknown".
+double PositiveOrZero(const TiffDirectory& exif, uint16_t tag) {
+  return std::max(0.0, exif.Number(tag).value_or(0.0));
+}
+
+double DigitalZoom(const TiffDirectory& exif) {
+  return std::max(1.0, exif.Number(kDigitalZoomTag).value_or(1.0));
+}
+
+uint64_t CameraKind(std::string_view make, std::string_view model, const TiffDirectory& exif) {
   uint64_t hash = 0;
   for (const std::string_view text : {make, model}) {
     for (const char c : text) {
       hash = HashWord(hash ^ static_cast<uint8_t>(c));
     }
   }
-  return hash;
+  // Numbers of a camera are rounded in the same way in all its photos.
+  const double focal_mm = DigitalZoom(exif) * PositiveOrZero(exif, kFocalLengthTag);
+  return focal_mm > 0.0 ? HashWord(hash ^ std::bit_cast<uint64_t>(focal_mm)) : hash;
 }
 
 int SideOf(const TiffDirectory& exif, uint16_t tag) {
   const double side = exif.Number(tag).value_or(0.0);
   return side >= 1.0 && side <= INT32_MAX ? static_cast<int>(side) : 0;
+}
+
+// Millimeters in a unit of the sensor's resolution: inches unless the tag says otherwise.
+double MmOfFocalPlaneUnit(double unit) {
+  constexpr double kUnitsMm[] = {25.4, 10.0, 1.0, 0.001};  // 2 to 5.
+  return unit >= 2.0 && unit <= 5.0 ? kUnitsMm[static_cast<int>(unit) - 2] : kUnitsMm[0];
+}
+
+// Sensors that photos with these tags have: from the smallest of phones to medium format.
+constexpr double kMinSensorMm = 3.0, kMaxSensorMm = 60.0;
+constexpr double kFilmLongSideMm = 36.0;
+
+// The focal length that the sensor tells: cameras with lenses (Canon's, among others) state the
+// pixels an inch of the sensor for the size that they gave the picture, and no equivalent.
+std::optional<double> Focal35MmOfSensor(const TiffDirectory& exif, const ExifInfo& info) {
+  const double focal_mm = DigitalZoom(exif) * PositiveOrZero(exif, kFocalLengthTag);
+  const double across = PositiveOrZero(exif, kFocalPlaneAcrossTag);
+  const double along = PositiveOrZero(exif, kFocalPlaneAlongTag);
+  if (!(focal_mm > 0.0 && across > 0.0)) {
+    return std::nullopt;
+  }
+  const double sensor_mm = MmOfFocalPlaneUnit(exif.Number(kFocalPlaneUnitTag).value_or(2.0)) *
+                           std::max(info.original_width_px / across,
+                                    info.original_height_px / (along > 0.0 ? along : across));
+  if (!(sensor_mm >= kMinSensorMm && sensor_mm <= kMaxSensorMm)) {
+    return std::nullopt;
+  }
+  return focal_mm / sensor_mm * kFilmLongSideMm;
 }
 
 }  // namespace
@@ -125,14 +168,16 @@ ExifInfo ReadExif(std::span<const uint8_t> image_bytes) {
   ReadGps(first.Pointed(kGpsDirectoryTag), &info);
   const double orientation = first.Number(kOrientationTag).value_or(1.0);
   info.orientation = orientation >= 1.0 && orientation <= 8.0 ? static_cast<int>(orientation) : 1;
-  info.camera_kind = HashOf(first.Text(kMakeTag), first.Text(kModelTag));
   const TiffDirectory exif = first.Pointed(kExifDirectoryTag);
+  info.camera_kind = CameraKind(first.Text(kMakeTag), first.Text(kModelTag), exif);
   info.time_s = TimeOf(exif.Text(kDateTimeOriginalTag));
   info.original_width_px = SideOf(exif, kPixelWidthTag);
   info.original_height_px = SideOf(exif, kPixelHeightTag);
   const std::optional<double> focal_35mm = exif.Number(kFocalLengthIn35mmTag);
   if (focal_35mm && *focal_35mm > 0.0) {
     info.focal_35mm = focal_35mm;
+  } else {
+    info.focal_35mm = Focal35MmOfSensor(exif, info);
   }
   return info;
 }

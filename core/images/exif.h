@@ -23,12 +23,12 @@ struct ExifInfo {
   std::optional<double> gps_error_m;
   // The turn or reflection that makes the stored picture upright: 1 (none) to 8.
   int orientation = 1;
-  std::optional<double> focal_35mm;  // 35 mm equivalent focal length, millimeters.
+  std::optional<double> focal_35mm;  // 35 mm equivalent, as stated or by the sensor; millimeters.
   int width_px = 0, height_px = 0;   // Of the stored picture.
   // The size that the camera gave the picture (PixelXDimension); 0 if not stated. Of a picture that
   // was cropped later, another one than that of the stored picture.
   int original_width_px = 0, original_height_px = 0;
-  // A hash of make and model: the same for photos of cameras of one kind. 0 without.
+  // A hash of make, model and focal length: the same for cameras of a kind at one zoom. 0: none.
   uint64_t camera_kind = 0;
   // When the photo was taken (DateTimeOriginal), in seconds since 1970 by the clock of the camera,
   // whose time zone is not known.

@@ -34,9 +34,10 @@ std::span<const uint8_t> BytesOf(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
-// What features depend on. The first number changes if the extractor does.
+// What a photo as it was read depends on. The first number changes if the extractor does, or what
+// is read of the EXIF.
 std::string SiftKey(const SiftOptions& sift) {
-  return fmt::format("sift 1 {} {}", sift.max_features, sift.max_pixels);
+  return fmt::format("sift 2 {} {}", sift.max_features, sift.max_pixels);
 }
 
 // Nothing, and the reason in `result`, if the file cannot be read.

@@ -109,6 +109,44 @@ TEST(Exif, CamerasOfOneKindHaveOneHash) {
   EXPECT_EQ(ReadBlock(BlockWith({}, {})).camera_kind, 0u);
 }
 
+TEST(Exif, ALensThatZoomsIsSeveralKinds) {
+  const ExifWriter writer(true);
+  const auto kind_of = [&](double focal_mm, double digital_zoom) {
+    return ReadBlock(BlockWith({{0x0110, ExifWriter::Text("One")}},
+                               {{0x920a, writer.Rationals({focal_mm})},
+                                {0xa404, writer.Rationals({digital_zoom})}}))
+        .camera_kind;
+  };
+  EXPECT_EQ(kind_of(18, 1), kind_of(18, 1));
+  EXPECT_EQ(kind_of(18, 0), kind_of(18, 1));  // 0 stands for none.
+  EXPECT_NE(kind_of(18, 1), kind_of(55, 1));
+  EXPECT_NE(kind_of(18, 1), kind_of(18, 2));
+}
+
+// A Canon of 3456 x 2304 pixels on 22.2 mm.
+TEST(Exif, TheSensorTellsTheFocalLength) {
+  const ExifWriter writer(true);
+  testing::ExifDirectory exif = {{0x920a, writer.Rationals({24})}, {0xa002, writer.Long(3456)},
+                                 {0xa003, writer.Long(2304)},      {0xa20e, writer.Long(3954)},
+                                 {0xa20f, writer.Long(3959)},      {0xa210, writer.Short(2)}};
+  const auto focal_35mm = [&](uint16_t tag, const testing::ExifEntry& entry) {
+    testing::ExifDirectory changed = exif;
+    changed[tag] = entry;
+    return ReadBlock(BlockWith({}, changed)).focal_35mm.value_or(0.0);
+  };
+  EXPECT_NEAR(focal_35mm(0xa210, writer.Short(2)), 38.9, 0.1);
+  EXPECT_NEAR(focal_35mm(0xa405, writer.Short(40)), 40.0, 1e-9);      // What is stated counts,
+  EXPECT_NEAR(focal_35mm(0xa405, writer.Short(0)), 38.9, 0.1);        // 0 stands for nothing.
+  EXPECT_NEAR(focal_35mm(0xa404, writer.Rationals({2})), 77.8, 0.2);  // Digital zoom.
+  EXPECT_EQ(focal_35mm(0xa20e, writer.Rationals({0})), 0.0);
+  EXPECT_EQ(focal_35mm(0xa20e, writer.Rationals({72})), 0.0);  // That of a screen.
+  EXPECT_EQ(focal_35mm(0x920a, writer.Rationals({0})), 0.0);
+  EXPECT_EQ(focal_35mm(0xa210, writer.Short(4)), 0.0);  // 0.9 mm would be no sensor.
+  exif[0xa20e] = writer.Rationals({155.7});
+  exif[0xa20f] = writer.Rationals({155.9});
+  EXPECT_NEAR(focal_35mm(0xa210, writer.Short(4)), 38.9, 0.1);
+}
+
 TEST(Exif, TellsTheSizeBeforeACrop) {
   const ExifWriter writer(true);
   const ExifInfo exif =
