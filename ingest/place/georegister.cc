@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/radius68.h"
 #include "core/require.h"
 #include "core/statistics.h"
 #include "ingest/place/level_cameras.h"
@@ -140,6 +141,16 @@ void AddLevelCameras(const Reconstruction& reconstruction, const ImageOrientatio
 // Positions farther away than this many times the median distance do not count for the spread.
 constexpr double kMaxMedianDistances = 6.0;
 
+[[noreturn]] void ThrowUnknownScale(size_t num_positions, const std::string& errors,
+                                    double spread_m) {
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("georegistration: the {} known positions, {}, spread by only {:.1f} m and "
+                  "do not determine the scale; give positions farther apart or more "
+                  "accurate ones",
+                  num_positions, errors, spread_m));
+}
+
 void RequireSpread(const SimilarityProblem& problem) {
   std::vector<Eigen::Vector3d> centers;
   std::vector<double> accuracies_m, distances_m;
@@ -159,12 +170,46 @@ void RequireSpread(const SimilarityProblem& problem) {
   const double accuracy_m = Median(accuracies_m);
   // The standard deviation of a scale that is fitted to n positions with this spread.
   if (!(accuracy_m < kMaxRelativeScaleError * std::sqrt(sum_sq_m))) {
-    throw Error(
-        ErrorCode::kBadInput,
-        fmt::format("georegistration: the {} known positions, accurate to {:.1f} m, spread "
-                    "by only {:.1f} m and do not determine the scale; give positions farther "
-                    "apart or more accurate ones",
-                    centers.size(), accuracy_m, std::sqrt(sum_sq_m / centers.size())));
+    ThrowUnknownScale(centers.size(), fmt::format("accurate to {:.1f} m", accuracy_m),
+                      std::sqrt(sum_sq_m / static_cast<double>(centers.size())));
+  }
+}
+
+// Errors of positions spread them, too, so RequireSpread holds for any positions that err much more
+// than they state. The cameras of the fit spread only as far as they were apart.
+void RequireSpreadOfFit(const SimilarityProblem& problem, const Sim3d& enu_from_normalized) {
+  std::vector<Eigen::Vector3d> centers;
+  std::vector<double> accuracies_m;
+  double sum_sq_error_m = 0.0;
+  for (const auto& position : problem.positions) {
+    const Eigen::Vector3d center = enu_from_normalized * position.center_in_world;
+    const double error_m = (center - position.center_in_enu).head<2>().norm();
+    if (error_m <= 3.0 * kLossScaleSigmas * position.accuracy_m) {
+      centers.push_back(center);
+      accuracies_m.push_back(position.accuracy_m);
+      sum_sq_error_m += error_m * error_m;
+    }
+  }
+  if (static_cast<int>(centers.size()) < kMinPositions) {
+    return;  // The fit is refused for its residuals.
+  }
+  const double count = static_cast<double>(centers.size());
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& center : centers) {
+    middle += center / count;
+  }
+  double sum_sq_m = 0.0;
+  for (const Eigen::Vector3d& center : centers) {
+    sum_sq_m += (center - middle).squaredNorm();
+  }
+  // Scale, turn and place take four of the errors' degrees of freedom.
+  const double shown_m = kRadius68PerSigma2d * std::sqrt(sum_sq_error_m / (2.0 * count - 4.0));
+  const double stated_m = Median(accuracies_m);
+  if (!(std::max(shown_m, stated_m) < kMaxRelativeScaleError * std::sqrt(sum_sq_m))) {
+    ThrowUnknownScale(problem.positions.size(),
+                      fmt::format("stated to {:.1f} m and, by the photos, accurate to {:.1f} m",
+                                  stated_m, shown_m),
+                      std::sqrt(sum_sq_m / count));
   }
 }
 
@@ -218,11 +263,20 @@ void FindFaults(const std::vector<MatchedPosition>& matched, Georegistration* re
   }
 }
 
-std::string DescribeLimits(const GeoregisterOptions& options) {
+// Errors that rough positions state are no fault: heights err up to three times as much as the
+// stated radius, which is horizontal.
+constexpr double kMaxStated = 3.0;
+
+double MaxMedianResidualM(const GeoregisterOptions& options, double stated_accuracy_m) {
+  return std::max(options.max_median_residual_m, kMaxStated * stated_accuracy_m);
+}
+
+std::string DescribeLimits(const GeoregisterOptions& options, double stated_accuracy_m) {
+  const double limit_m = MaxMedianResidualM(options, stated_accuracy_m);
   if (!std::isfinite(options.max_median_residual_sigmas)) {
-    return fmt::format("the limit is {:.2f} m", options.max_median_residual_m);
+    return fmt::format("the limit is {:.2f} m", limit_m);
   }
-  return fmt::format("the limits are {:.2f} m and {:.1f}", options.max_median_residual_m,
+  return fmt::format("the limits are {:.2f} m and {:.1f}", limit_m,
                      options.max_median_residual_sigmas);
 }
 
@@ -250,16 +304,17 @@ void Judge(const SimilarityProblem& problem, const Sim3d& enu_from_normalized,
       *std::max_element(result->residuals_m.begin(), result->residuals_m.end());
   const double median_sigmas = Median(residuals_sigmas);
   if (result->num_inliers > 0 && median_sigmas <= options.max_median_residual_sigmas &&
-      result->median_residual_m <= options.max_median_residual_m) {
+      result->median_residual_m <= MaxMedianResidualM(options, result->stated_accuracy_m)) {
     return;
   }
   throw Error(ErrorCode::kBadInput,
               fmt::format("georegistration: the fit to {} positions is bad: {} inliers, median "
                           "residual {:.2f} m ({:.1f} times the stated accuracy; {}), largest "
                           "{:.2f} m; check that positions and images belong together, or state a "
-                          "larger accuracy",
+                          "larger accuracy (--gps-accuracy, or the column accuracy_m)",
                           result->num_positions, result->num_inliers, result->median_residual_m,
-                          median_sigmas, DescribeLimits(options), result->max_residual_m));
+                          median_sigmas, DescribeLimits(options, result->stated_accuracy_m),
+                          result->max_residual_m));
 }
 
 }  // namespace
@@ -310,6 +365,7 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   }
   const Sim3d enu_from_normalized = RefineSimilarity(problem, *start);
   Judge(problem, enu_from_normalized, options, &result);
+  RequireSpreadOfFit(problem, enu_from_normalized);
   result.accuracy = AccuracyOf(problem, matched, enu_from_normalized);
   const Sim3d ecef_from_normalized = ecef_from_enu * enu_from_normalized;
   result.ecef_from_world.scale = ecef_from_normalized.scale * normalized_from_world.scale;

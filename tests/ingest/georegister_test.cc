@@ -151,12 +151,49 @@ TEST(Georegister, RefusesPositionsThatDoNotBelongToTheImages) {
   EXPECT_THAT(message, HasSubstr("median residual"));
 }
 
+// Errors of 15 m spread the positions of photos that were taken within 12 m.
+TEST(Georegister, RefusesAScaleThatTheErrorsOfPositionsMake) {
+  const Reconstruction reconstruction =
+      testing::StreetWorld({.length_m = 12.0, .keyframe_step_m = 1.0}).Reconstruct();
+  GeoregisterOptions options;
+  options.up = UpSource::kTop;
+  std::vector<CameraPosition> positions = NoisyPositions(reconstruction, 15.0);
+  for (CameraPosition& position : positions) {
+    position.has_height = false;
+  }
+  for (const double stated_m : {5.0, 10.0, 15.0}) {
+    for (CameraPosition& position : positions) {
+      position.accuracy_m = stated_m;
+    }
+    EXPECT_THAT(RefusalOf(reconstruction, positions, options), HasSubstr("scale")) << stated_m;
+  }
+}
+
+// Photos of strangers: positions that are off by tens of meters and say so.
+TEST(Georegister, TakesPositionsAsRoughAsTheyState) {
+  const Reconstruction reconstruction =
+      testing::StreetWorld({.length_m = 600.0, .keyframe_step_m = 10.0, .num_landmarks = 300})
+          .Reconstruct();
+  GeoregisterOptions options;
+  options.up = UpSource::kTop;
+  std::vector<CameraPosition> positions = NoisyPositions(reconstruction, 30.0);
+  EXPECT_EQ(RefusalOf(reconstruction, positions, options), "no error");
+  for (CameraPosition& position : positions) {
+    position.accuracy_m = 10.0;
+  }
+  EXPECT_THAT(RefusalOf(reconstruction, positions, options), HasSubstr("--gps-accuracy"));
+}
+
 TEST(Georegister, ARefusalNamesNoLimitThatIsNotFinite) {
   const Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
   GeoregisterOptions options;
   options.max_median_residual_sigmas = std::numeric_limits<double>::infinity();
   options.max_median_residual_m = 0.01;
-  EXPECT_THAT(RefusalOf(reconstruction, NoisyPositions(reconstruction, 0.1), options),
+  std::vector<CameraPosition> positions = NoisyPositions(reconstruction, 0.1);
+  for (CameraPosition& position : positions) {
+    position.accuracy_m = 0.001;
+  }
+  EXPECT_THAT(RefusalOf(reconstruction, positions, options),
               HasSubstr("; the limit is 0.01 m), largest"));
 }
 
