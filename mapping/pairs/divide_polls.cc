@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/geodesy.h"
@@ -81,16 +82,78 @@ void Divide(const Whereabouts& whereabouts, Poll poll, std::vector<Poll>* polls)
   polls->push_back(std::move(poll));
 }
 
+// A photo of an aerial survey has as many neighbors in its lane and in those beside it.
+constexpr size_t kMinNeighbors = 8;
+// Two photos from the ground or from a drone that are twice as far apart show nothing in common.
+constexpr double kMaxNeighborM = 500.0;
+
+// Keeps the least distances of a photo from others.
+class NearestDistances {
+ public:
+  void Add(double distance_m) {
+    const auto at = std::upper_bound(ascending_m_.begin(), ascending_m_.end(), distance_m);
+    ascending_m_.insert(at, distance_m);
+    ascending_m_.resize(std::min(ascending_m_.size(), kMinNeighbors));
+  }
+  // True if no distance of `least_m` or more can change the result.
+  bool IsFinal(double least_m) const {
+    return ascending_m_.size() == kMinNeighbors && least_m >= ascending_m_.back();
+  }
+  double FarthestM() const { return ascending_m_.empty() ? 0.0 : ascending_m_.back(); }
+
+ private:
+  std::vector<double> ascending_m_;
+};
+
+// Raises the reach of photos so that it includes their nearest ones. `placed` have positions.
+void ReachNearest(const std::vector<std::optional<Eigen::Vector3d>>& x_in_ecef,
+                  std::vector<int> placed, std::vector<double>* reach_m) {
+  Eigen::AlignedBox3d box;
+  for (const int photo : placed) {
+    box.extend(*x_in_ecef[photo]);
+  }
+  Eigen::Index axis = 0;
+  if (!placed.empty()) {
+    box.sizes().maxCoeff(&axis);
+  }
+  const auto along = [&](int photo) { return (*x_in_ecef[photo])[axis]; };
+  std::sort(placed.begin(), placed.end(),
+            [&](int p, int q) { return std::pair(along(p), p) < std::pair(along(q), q); });
+  for (size_t i = 0; i < placed.size(); ++i) {
+    NearestDistances nearest;
+    // Looks at the photos before and after it along the axis, the nearer one first.
+    size_t before = i, after = i + 1;
+    while (before > 0 || after < placed.size()) {
+      const double infinity = std::numeric_limits<double>::infinity();
+      const double before_m = before > 0 ? along(placed[i]) - along(placed[before - 1]) : infinity;
+      const double after_m =
+          after < placed.size() ? along(placed[after]) - along(placed[i]) : infinity;
+      if (nearest.IsFinal(std::min(before_m, after_m))) {
+        break;
+      }
+      const int other = placed[before_m <= after_m ? --before : after++];
+      nearest.Add((*x_in_ecef[placed[i]] - *x_in_ecef[other]).norm());
+    }
+    double& reach = (*reach_m)[placed[i]];
+    reach = std::max(reach, std::min(nearest.FarthestM(), kMaxNeighborM));
+  }
+}
+
 }  // namespace
 
 Whereabouts::Whereabouts(const PhotoSet& set, const PairOptions& options) {
+  std::vector<int> placed;
   for (const MappingPhoto& photo : set.photos) {
     x_in_ecef_.push_back(
         photo.gps ? std::optional(EcefFromGeodetic({photo.gps->lat_rad, photo.gps->lon_rad, 0.0}))
                   : std::nullopt);
     reach_m_.push_back(0.5 * options.max_distance_m +
                        photo.gps_accuracy_m.value_or(options.default_accuracy_m));
+    if (photo.gps) {
+      placed.push_back(static_cast<int>(x_in_ecef_.size()) - 1);
+    }
   }
+  ReachNearest(x_in_ecef_, std::move(placed), &reach_m_);
 }
 
 std::vector<Poll> DividePolls(const Whereabouts& whereabouts, int num_photos) {

@@ -11,7 +11,10 @@
 
 namespace cairn {
 
-// Where photos may be, for the question whether two can show the same.
+// Where photos may be, for the question whether two can show the same. A photo may meet those
+// within PairOptions::max_distance_m, and the eight nearest within 500 m: a survey from the air has
+// lanes farther apart, and a position may be wrong. Takes n log n in the number of photos along a
+// line.
 class Whereabouts {
  public:
   Whereabouts(const PhotoSet& set, const PairOptions& options);

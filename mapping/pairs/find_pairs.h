@@ -20,7 +20,7 @@ struct PairOptions {
   int max_voters = 1000;
   // Images of this many nearest descriptors of other photos get a vote.
   int neighbors_per_voter = 4;
-  // Photos with a position choose only photos within this distance, plus the accuracy of both.
+  // Photos with a position choose those within this distance plus both accuracies, and the nearest.
   double max_distance_m = 30.0;
   // Accuracy of a position that does not state it: a phone's in a street.
   double default_accuracy_m = 15.0;

@@ -65,6 +65,36 @@ TEST(DividePolls, AreOneForFewPhotosAndForOnePlace) {
   EXPECT_EQ(Divide(Street(2000, 0.005)).size(), 1u);
 }
 
+// Lanes 60 m apart with a photo every 50 m, as from 150 m above the ground.
+TEST(DividePolls, PhotosOfASurveyMeetTheirNeighborsInOtherLanes) {
+  const Rigid3d ecef_from_enu = EcefFromEnu(Geodetic::FromDegrees(47.4, 8.5, 0.0));
+  PhotoSet set;
+  for (int i = 0; i < 25; ++i) {
+    MappingPhoto photo;
+    photo.gps =
+        GeodeticFromEcef(ecef_from_enu * Eigen::Vector3d(50.0 * (i % 5), 60.0 * (i / 5), 0));
+    photo.gps_accuracy_m = 1.0;
+    set.photos.push_back(photo);
+  }
+  const Whereabouts whereabouts(set, {});
+  EXPECT_TRUE(whereabouts.MayMeet(12, 11));
+  EXPECT_TRUE(whereabouts.MayMeet(12, 17));
+  EXPECT_TRUE(whereabouts.MayMeet(12, 18));
+  EXPECT_FALSE(whereabouts.MayMeet(0, 24));
+}
+
+TEST(DividePolls, APhotoWithAWrongPositionMeetsThoseThatAreNearest) {
+  PhotoSet set = Street(50, 1.0);
+  set.photos[20].gps->lon_rad += 1e-4;  // 430 m.
+  const Whereabouts whereabouts(set, {});
+  const std::vector<Poll> polls = DividePolls(whereabouts, 50);
+  int num_met = 0;
+  for (int other = 0; other < 50; ++other) {
+    num_met += other != 20 && whereabouts.MayMeet(20, other) ? 1 : 0;
+  }
+  EXPECT_GE(num_met, 8);
+}
+
 TEST(DividePolls, AskPhotosWithoutAPositionAboutAll) {
   PhotoSet set = Street(30, 100.0);
   for (MappingPhoto& photo : set.photos) {
