@@ -18,9 +18,10 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr size_t kReceiveBytes = 64 * 1024;
-// Bytes of a body that are worth a look at the connection. A client that sends a body a byte at a
-// time would otherwise wake the event loop for each byte. Small beside the kernel's buffers, and at
-// the least rate of a body a few seconds' worth, so that the peer's deadline stays exact enough.
+// Bytes of a body, or behind the last response, that are worth a look at the connection. A client
+// that sends a body a byte at a time would otherwise wake the event loop for each byte. Small
+// beside the kernel's buffers, and at the least rate of a body a few seconds' worth, so that the
+// peer's deadline stays exact enough.
 constexpr size_t kBodyBatch = 16 * 1024;
 // Capacity that the buffer of an idle connection keeps.
 constexpr size_t kIdleBytes = 4096;
@@ -278,6 +279,7 @@ void Connection::FinishResponse() {
   shutdown(socket_.fd(), SHUT_WR);
   Release(&in_);
   Enter(Phase::kDraining, kDrainTime);
+  ExpectBytes(kBodyBatch);
 }
 
 Connection::Next Connection::Drain() {

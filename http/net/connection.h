@@ -85,9 +85,9 @@ class Connection {
   // The deadline for the peer's next step, and the time since when the peer could have taken it.
   TimePoint deadline() const { return deadline_; }
   TimePoint waiting_since() const { return waiting_since_; }
-  // True if a part of a body has arrived. The socket then reports nothing until a batch of bytes
-  // has come (kBodyBatch), so report it as readable once more before GiveUp.
-  bool is_receiving_body() const { return phase_ == Phase::kBody; }
+  // True while a body comes, or bytes behind the last response. The socket then reports nothing
+  // until a batch of bytes has come, so report it as readable once more before GiveUp.
+  bool waits_for_batch() const { return phase_ == Phase::kBody || phase_ == Phase::kDraining; }
   // True if no byte of the next request has arrived and nothing is unsent.
   bool is_idle() const { return phase_ == Phase::kIdle; }
   bool has_served() const { return has_served_; }

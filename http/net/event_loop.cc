@@ -284,7 +284,7 @@ void EventLoop::Expire() {
     }
   }
   for (Entry* entry : late) {
-    if (!entry->is_closed && entry->is_receiving_body()) {
+    if (!entry->is_closed && entry->waits_for_batch()) {
       entry->NoteReadable();  // Bytes may have come that were too few for an event.
       Advance(entry);
     }

@@ -106,7 +106,14 @@ TEST(ConnectionOverTcp, ABodyWakesItsReaderOnceABatch) {
   EXPECT_EQ(connection.TakeRequest().body, std::string(20'000, 'x'));
   connection.Respond({"HTTP/1.1 200 OK\r\n\r\n", ""}, /*keep_alive=*/true);
   client.Send("G");
-  EXPECT_TRUE(wakes(/*timeout_ms=*/20'000));
+  ASSERT_EQ(receive(), Next::kWait);
+  client.Send("ET / HTTP/1.1\r\nHost: h\r\n\r\n");
+  ASSERT_EQ(receive(), Next::kRequest);
+  connection.TakeRequest();
+  connection.Respond({"HTTP/1.1 200 OK\r\n\r\n", ""}, /*keep_alive=*/false);
+  ASSERT_EQ(connection.Proceed(), Next::kWait);
+  client.Send(std::string(1000, 'x'));
+  EXPECT_FALSE(wakes(/*timeout_ms=*/0));
 }
 
 // The client's timeout must not run while the photo is on its way.
