@@ -50,6 +50,112 @@ WeightedDescriptor MeanDescriptor(const WeightedDescriptor& a, const WeightedDes
   return mean;
 }
 
+// The nearest two of a landmark's descriptors, again and again as descriptors are averaged.
+// Remembers for each descriptor the nearest of those behind it. Of equally near pairs, it takes the
+// first. Usually quadratic in the descriptors.
+class NearestPairs {
+ public:
+  explicit NearestPairs(std::vector<WeightedDescriptor>* weighted)
+      : weighted_(*weighted), partners_(weighted->size()), is_gone_(weighted->size(), false) {
+    for (size_t i = 0; i < partners_.size(); ++i) {
+      FindPartner(i);
+    }
+  }
+
+  // Replaces pairs by their means, until no pair is within the distance.
+  void AverageWithin(float max_sq_distance) {
+    while (const std::optional<size_t> first = FirstOfNearestPair()) {
+      const Partner nearest = partners_[*first];
+      if (nearest.sq_distance > max_sq_distance) {
+        break;
+      }
+      weighted_[*first] = MeanDescriptor(weighted_[*first], weighted_[nearest.idx]);
+      is_gone_[nearest.idx] = true;
+      FindPartner(*first);
+      for (size_t i = 0; i < nearest.idx; ++i) {
+        NoteChange(i, *first, nearest.idx);
+      }
+    }
+    size_t num_left = 0;
+    for (size_t i = 0; i < weighted_.size(); ++i) {
+      if (!is_gone_[i] && num_left++ != i) {
+        weighted_[num_left - 1] = std::move(weighted_[i]);
+      }
+    }
+    weighted_.resize(num_left);
+  }
+
+ private:
+  struct Partner {
+    size_t idx = 0;
+    // If stale, no descriptor behind is nearer than this, but none need be as near.
+    float sq_distance = std::numeric_limits<float>::max();
+    bool is_stale = false;
+  };
+
+  float SqDistance(size_t i, size_t j) const {
+    return (weighted_[i].descriptor - weighted_[j].descriptor).squaredNorm();
+  }
+
+  void FindPartner(size_t i) {
+    Partner nearest;
+    for (size_t j = i + 1; j < weighted_.size(); ++j) {
+      if (is_gone_[j]) {
+        continue;
+      }
+      const float sq_distance = SqDistance(i, j);
+      if (sq_distance < nearest.sq_distance) {
+        nearest = {j, sq_distance};
+      }
+    }
+    partners_[i] = nearest;
+  }
+
+  // Returns nothing if at most one descriptor is left. A stale partner is sought again only when
+  // its bound is the least, so that an average that many had as their partner does not cost a
+  // search for each of them.
+  std::optional<size_t> FirstOfNearestPair() {
+    while (true) {
+      std::optional<size_t> first;
+      for (size_t i = 0; i < partners_.size(); ++i) {
+        const float least =
+            first ? partners_[*first].sq_distance : std::numeric_limits<float>::max();
+        if (!is_gone_[i] && partners_[i].sq_distance < least) {
+          first = i;
+        }
+      }
+      if (!first || !partners_[*first].is_stale) {
+        return first;
+      }
+      FindPartner(*first);
+    }
+  }
+
+  // Notes that descriptor `mean` has moved and `gone` is no more.
+  void NoteChange(size_t i, size_t mean, size_t gone) {
+    Partner& partner = partners_[i];
+    if (is_gone_[i] || i == mean) {
+      return;
+    }
+    const bool had_either = partner.idx == mean || partner.idx == gone;
+    if (i < mean) {
+      const float sq_distance = SqDistance(i, mean);
+      const bool is_nearer = sq_distance < partner.sq_distance ||
+                             (sq_distance == partner.sq_distance && mean <= partner.idx);
+      if (is_nearer) {
+        // Of a stale partner, the bound stands for descriptors in front of `mean`, too.
+        partner = {mean, sq_distance, partner.is_stale && sq_distance == partner.sq_distance};
+        return;
+      }
+    }
+    partner.is_stale = partner.is_stale || had_either;
+  }
+
+  std::vector<WeightedDescriptor>& weighted_;
+  std::vector<Partner> partners_;
+  std::vector<bool> is_gone_;
+};
+
 class TileMerger {
  public:
   TileMerger(const Tile& known, const Tile& fresh, const DescriptorCodec& codec,
@@ -149,26 +255,7 @@ class TileMerger {
 
   // Averages descriptors that are alike, nearest first, then keeps the heaviest.
   void Reduce(std::vector<WeightedDescriptor>* weighted) const {
-    while (weighted->size() > 1) {
-      float least = std::numeric_limits<float>::max();
-      size_t a = 0, b = 0;
-      for (size_t i = 0; i < weighted->size(); ++i) {
-        for (size_t j = i + 1; j < weighted->size(); ++j) {
-          const float sq_distance =
-              ((*weighted)[i].descriptor - (*weighted)[j].descriptor).squaredNorm();
-          if (sq_distance < least) {
-            least = sq_distance;
-            a = i;
-            b = j;
-          }
-        }
-      }
-      if (least > max_same_sq_distance_) {
-        break;
-      }
-      (*weighted)[a] = MeanDescriptor((*weighted)[a], (*weighted)[b]);
-      weighted->erase(weighted->begin() + static_cast<std::ptrdiff_t>(b));
-    }
+    NearestPairs(weighted).AverageWithin(max_same_sq_distance_);
     double weight = 0.0;
     for (const WeightedDescriptor& one : *weighted) {
       weight += one.weight;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <memory>
+#include <random>
 #include <set>
 #include <vector>
 
@@ -93,6 +95,108 @@ TEST(MergeTiles, NeverKeepsMoreDescriptorsThanAllowed) {
   for (size_t i = 0; i < 30; ++i) {
     EXPECT_LE(merged.descriptor_begin[i + 1] - merged.descriptor_begin[i], 2u);
   }
+}
+
+// Tiles of one landmark, which has one descriptor in `known` and the others in `fresh`. Each byte
+// of a code is one of `num_words`.
+struct OneLandmark {
+  Tile known, fresh;
+
+  OneLandmark(int num_descriptors, int num_words) {
+    const TwoTiles tiles;
+    std::mt19937_64 random(3);
+    known = PickLandmarks(tiles.known, std::vector<uint32_t>{0});
+    fresh = PickLandmarks(tiles.fresh, std::vector<uint32_t>{20});
+    const auto fill = [&](int count, Tile* tile) {
+      tile->descriptor_begin = {0, static_cast<uint32_t>(count)};
+      tile->codes.clear();
+      for (int i = 0; i < count * tile->code_size; ++i) {
+        tile->codes.push_back(static_cast<uint8_t>(random() % num_words));
+      }
+      tile->orientation_codes.assign(count, kNoOrientation);
+      tile->size_codes.assign(count, 0);
+      tile->azimuth_codes.assign(count, AzimuthCode(0.0));
+      tile->weight_codes.assign(count, WeightCode(2.0));
+    };
+    fill(1, &known);
+    fill(num_descriptors - 1, &fresh);
+  }
+};
+
+struct HeavyRow {
+  Eigen::RowVectorXf row;
+  double weight;
+};
+
+// Averages the nearest two rows again and again. Compares each pair each time.
+std::vector<HeavyRow> AveragedOneByOne(std::vector<HeavyRow> rows, float max_sq_distance) {
+  while (true) {
+    float least = std::numeric_limits<float>::max();
+    size_t a = 0, b = 0;
+    for (size_t i = 0; i < rows.size(); ++i) {
+      for (size_t j = i + 1; j < rows.size(); ++j) {
+        const float sq_distance = (rows[i].row - rows[j].row).squaredNorm();
+        if (sq_distance < least) {
+          least = sq_distance;
+          a = i;
+          b = j;
+        }
+      }
+    }
+    if (least > max_sq_distance) {
+      return rows;
+    }
+    const double weight = rows[a].weight + rows[b].weight;
+    const Eigen::RowVectorXf mean = static_cast<float>(rows[a].weight / weight) * rows[a].row +
+                                    static_cast<float>(rows[b].weight / weight) * rows[b].row;
+    rows[a] = {mean, weight};
+    rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+}
+
+TEST(MergeTiles, AveragesTheNearestTwoEachTime) {
+  const DescriptorCodec codec(TestCodebook());
+  AppearanceOptions all;
+  all.count = 1000;
+  for (const int num_words : {2, 3, 256}) {  // With few words, many pairs are equally near.
+    const OneLandmark tiles(60, num_words);
+    std::vector<HeavyRow> rows;
+    for (const Tile* tile : {&tiles.known, &tiles.fresh}) {
+      const DescriptorMatrix decoded =
+          codec.Decode(tile->codes.data(), static_cast<int>(tile->num_descriptors()));
+      for (int i = 0; i < decoded.rows(); ++i) {
+        rows.push_back({decoded.row(i), WeightFromCode(WeightCode(2.0))});
+      }
+    }
+    for (const double share : {2.0, 3.0, 4.0}) {  // Of the median distance, which is 1.
+      MergeOptions options;
+      options.old_weight_share = 1.0;
+      options.same_look_share = share;
+      const Tile merged =
+          MergeTiles(tiles.known, tiles.fresh, codec, *MakeKMeansSummarizer(all), options);
+      const std::vector<HeavyRow> expected =
+          AveragedOneByOne(rows, static_cast<float>(share * share));
+      ASSERT_EQ(merged.num_descriptors(), expected.size());
+      for (size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(merged.weight_codes[i], WeightCode(expected[i].weight));
+        const std::vector<uint8_t> code = codec.Encode(DescriptorMatrix(expected[i].row));
+        EXPECT_TRUE(
+            std::equal(code.begin(), code.end(),
+                       merged.codes.begin() + static_cast<std::ptrdiff_t>(i * code.size())));
+      }
+    }
+  }
+}
+
+// A thousand times as many descriptors as a landmark has: ten billion comparisons of two, if each
+// average compared all pairs again.
+TEST(MergeTiles, ALandmarkOfThousandsOfDescriptorsIsMergedAtOnce) {
+  const OneLandmark tiles(4000, 256);
+  MergeOptions options;
+  options.same_look_share = 100.0;
+  const Tile merged = MergeTiles(tiles.known, tiles.fresh, DescriptorCodec(TestCodebook()),
+                                 *MakeKMeansSummarizer({}), options);
+  EXPECT_EQ(merged.num_descriptors(), 1u);
 }
 
 TEST(AdmitLandmarks, TakesWhatIsKnownAndFillsUpWhatIsMissing) {
