@@ -94,8 +94,9 @@ FoundCamera FindCamera(const QueryContext& query, const LocalizeQuery& stated,
   });
   if (may_refine && best_evidence < options.refinement.good_evidence) {
     try_guesses([&](const QueryContext& guess, PoseHypotheses* hypotheses) {
-      return MatchKeyframes(guess, tiles, *matches, options.refinement, options.matching,
-                            options.pose, options.seed, budget, hypotheses, counters);
+      return MatchKeyframes(guess, tiles, *matches,
+                            {options.refinement, options.matching, options.pose, options.seed},
+                            budget, hypotheses, counters);
     });
   }
   FoundCamera best = BestOf(found, prior);

@@ -45,8 +45,9 @@ void Search::Estimate(const QueryContext& context, const SharedMatches& matches)
 void Search::Refine(const QueryContext& context, const SharedMatches& matches) {
   if (NeedsRefinement(hypotheses_, options_.refinement)) {
     is_complete_ &=
-        MatchKeyframes(context, tiles_, *matches, options_.refinement, options_.matching,
-                       options_.pose, options_.seed, budget_, &hypotheses_, counters_);
+        MatchKeyframes(context, tiles_, *matches,
+                       {options_.refinement, options_.matching, options_.pose, options_.seed},
+                       budget_, &hypotheses_, counters_);
   }
 }
 

@@ -70,20 +70,21 @@ bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& 
 }
 
 bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
-                    const std::vector<Correspondence>& matches, const RefinementOptions& options,
-                    const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
+                    const std::vector<Correspondence>& matches, const KeyframeMatching& options,
                     const QueryBudget& budget, PoseHypotheses* hypotheses,
                     StageCounters* counters) {
   const std::vector<std::vector<KeyframeRef>> neighborhoods =
-      NeighborhoodsToMatch(query, tiles, matches, *hypotheses, options);
+      NeighborhoodsToMatch(query, tiles, matches, *hypotheses, options.refinement);
   std::vector<int64_t> num_rematches(neighborhoods.size(), 0);
   const auto attempt = [&](int i, double min_consensus) -> PoseAttempt {
-    const auto rematches = std::make_shared<const std::vector<Correspondence>>(
-        MatchAgainstKeyframes(query, tiles, neighborhoods[i], kRelaxedDistanceQuantile, matching));
+    const auto rematches =
+        std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
+            query, tiles, neighborhoods[i], kRelaxedDistanceQuantile, options.matching));
     num_rematches[i] = static_cast<int64_t>(rematches->size());
     std::vector<int> all(rematches->size());
     std::iota(all.begin(), all.end(), 0);
-    return {rematches, EstimatePose(query, *rematches, all, pose, seed, min_consensus)};
+    return {rematches,
+            EstimatePose(query, *rematches, all, options.pose, options.seed, min_consensus)};
   };
   const auto num_keyframes = static_cast<int>(neighborhoods.size());
   const int num_tried = hypotheses->TryInRounds(num_keyframes, query.down_in_cam.has_value(),

@@ -16,13 +16,20 @@ namespace cairn {
 // Returns true if the poses found so far need refinement; see RefinementOptions::mode.
 bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& options);
 
+// What the stage uses of the localizer's options, which must outlive the object.
+struct KeyframeMatching {
+  const RefinementOptions& refinement;
+  const MatchingOptions& matching;
+  const PoseOptions& pose;
+  uint64_t seed;
+};
+
 // Matches the query against two kinds of keyframes, each with its neighbors: those that saw most
 // of what the best poses explain, and those with the most matches. A keyframe that was matched as a
 // neighbor of an earlier one is left out. Estimates a pose from each and adds the poses to
 // `hypotheses`. Returns false if the deadline left out a keyframe.
 bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
-                    const std::vector<Correspondence>& matches, const RefinementOptions& options,
-                    const MatchingOptions& matching, const PoseOptions& pose, uint64_t seed,
+                    const std::vector<Correspondence>& matches, const KeyframeMatching& options,
                     const QueryBudget& budget, PoseHypotheses* hypotheses, StageCounters* counters);
 
 // Returns true if gravity may be wrong: no pose has RefinementOptions::min_trusted_evidence, or the

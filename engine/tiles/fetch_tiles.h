@@ -28,7 +28,9 @@ struct FetchedTiles {
 };
 
 // Returns the tiles whose square intersects the region's disc, at most options.max_tiles. Loads
-// missing tiles (fetch, decode, index) into the cache, several in parallel.
+// missing tiles (fetch, decode, index) into the cache, one on each core at a time, whatever
+// LocalizerOptions::num_threads says: threads of their own cost 30 us for two tiles, and a tile
+// takes 15 ms or more.
 //
 // Polls `should_stop`. Once it returns true, tiles that are not in the cache are left out, except
 // the nearest, and missing parts of indices stay missing (MatchingIndex::is_complete). The other
