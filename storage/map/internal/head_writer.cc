@@ -16,6 +16,7 @@
 #include "storage/inspection/geopackage.h"
 #include "storage/map/internal/accuracy_table.h"
 #include "storage/map/internal/index_extent.h"
+#include "storage/map/internal/map_file.h"
 #include "storage/map/internal/map_queries.h"
 #include "storage/map/internal/version_queries.h"
 #include "storage/map/utc_time.h"
@@ -344,6 +345,12 @@ void HeadWriter::AddVersion(const VersionNote& note) {
 }
 
 void AddFirstVersion(db::Connection* connection) {
+  connection
+      ->Prepare(
+          "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
+          "next_landmark_id) VALUES (1, ?, ?, ?, 1)")
+      .Bind(kMapFormatVersion, kOldestReaderVersion, UtcNow())
+      .Run();
   queries::InsertVersion(connection, MapVersion(1), {.kind = VersionKind::kCreate}, MapTotals());
 }
 

@@ -66,7 +66,7 @@ class HeadWriter {
   std::unique_ptr<LayerExtents> extents_;  // Null if the map is no GeoPackage.
 };
 
-// Inserts the row of version 1 into a new map.
+// Inserts what every map has into new tables: the row of cairn_map and that of version 1.
 void AddFirstVersion(db::Connection* connection);
 
 }  // namespace cairn

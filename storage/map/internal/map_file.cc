@@ -214,12 +214,6 @@ void FillEmptyMap(const std::string& path) {
   connection->Execute("PRAGMA journal_mode = WAL");
   sqlite::Transaction transaction(connection, sqlite::Transaction::Kind::kImmediate);
   CreateMapSchema(connection);
-  connection
-      ->Prepare(
-          "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
-          "next_landmark_id) VALUES (1, ?, ?, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), 1)")
-      .Bind(kMapFormatVersion, kOldestReaderVersion)
-      .Run();
   AddFirstVersion(&database);
   transaction.Commit();
   // Closing the connection would also checkpoint, but would not report a full disk.

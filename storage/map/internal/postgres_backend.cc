@@ -174,12 +174,6 @@ void CreatePostgresMap(const std::string& url) {
   const auto connection = postgres::Server(url).Connect(postgres::Use::kWrite, {});
   connection->Execute("BEGIN");
   postgres::InstallSchema(connection.get());
-  connection
-      ->Prepare(
-          "INSERT INTO cairn_map (map_id, format_version, oldest_reader_version, created_at, "
-          "next_landmark_id) VALUES (1, ?, ?, ?, 1)")
-      .Bind(kMapFormatVersion, kOldestReaderVersion, std::string_view(UtcNow()))
-      .Run();
   AddFirstVersion(connection.get());
   connection->Execute("COMMIT");
 }
