@@ -1,11 +1,8 @@
 #include "mapping/session/map_photos.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <exception>
 #include <memory>
 #include <span>
@@ -13,8 +10,10 @@
 
 #include "core/error.h"
 #include "mapping/matching/calibrate_guesses.h"
+#include "mapping/matching/correct_focals.h"
 #include "mapping/matching/settle_planes.h"
 #include "mapping/session/photo_places.h"
+#include "mapping/session/stage_clock.h"
 #include "mapping/session/stage_codec.h"
 #include "mapping/session/stage_keys.h"
 #include "mapping/work/work_folder.h"
@@ -24,36 +23,6 @@ namespace {
 
 // Pairs whose two views are one file of the work folder: some seconds of work that a kill may cost.
 constexpr size_t kPairsPerFile = 256;
-
-double PeakMegabytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1e-3 * static_cast<double>(usage.ru_maxrss);
-}
-
-double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-// Measures a stage and adds it to the report.
-class StageClock {
- public:
-  StageClock(const char* name, std::vector<StageCost>* stages)
-      : name_(name),
-        stages_(stages),
-        start_(std::chrono::steady_clock::now()),
-        processor_seconds_(ProcessorSeconds()) {}
-
-  void End(bool from_work) {
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start_;
-    stages_->push_back({name_, taken.count(), ProcessorSeconds() - processor_seconds_,
-                        PeakMegabytes(), from_work});
-  }
-
- private:
-  const char* name_;
-  std::vector<StageCost>* stages_;
-  std::chrono::steady_clock::time_point start_;
-  double processor_seconds_;
-};
 
 // The stages, with the work folder between them.
 class Mapper {
@@ -96,6 +65,8 @@ class Mapper {
   std::vector<TwoView> MatchPart(const char* stage, const std::string& name,
                                  std::span<const std::pair<int, int>> pairs, int64_t first,
                                  int64_t total, bool* from_work);
+  bool LoadCorrectedFocals();
+  std::vector<TwoView> MatchAndCorrect();
   Growth Grow();
   void Place(const Growth& growth);
   void PlaceOne(const Segment& segment);
@@ -212,7 +183,31 @@ void Mapper::Calibrate() {
   }
 }
 
+// True if an earlier run found focal lengths of EXIF wrong.
+bool Mapper::LoadCorrectedFocals() {
+  const auto stored = work_ ? work_->Load("corrected", views_key_) : std::nullopt;
+  if (stored) {
+    folder_.set.cameras = DecodeCameras(*stored, folder_.set, work_->PathOf("corrected"));
+  }
+  return stored.has_value();
+}
+
+// Matches once more if the photos contradict focal lengths of their EXIF.
+std::vector<TwoView> Mapper::MatchAndCorrect() {
+  std::vector<TwoView> views = Match("matching", "views", *pairs_);
+  auto corrected = CorrectFocals(folder_.set, views, input_.num_threads);
+  if (!corrected) {
+    return views;
+  }
+  folder_.set.cameras = std::move(*corrected);
+  if (work_) {
+    work_->Store("corrected", views_key_, EncodeCameras(folder_.set.cameras));
+  }
+  return Match("matching again", "again", *pairs_);
+}
+
 Growth Mapper::Grow() {
+  const bool is_corrected = LoadCorrectedFocals();
   if (work_) {
     StageClock clock("growth", &result_.stages);
     if (const auto stored = work_->Load("segments", segments_key_)) {
@@ -222,7 +217,8 @@ Growth Mapper::Grow() {
     }
   }
   FindPairsOnce();
-  const std::vector<TwoView> views = Match("matching", "views", *pairs_);
+  const std::vector<TwoView> views =
+      is_corrected ? Match("matching again", "again", *pairs_) : MatchAndCorrect();
   StageClock clock("growth", &result_.stages);
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
   if (work_) {
@@ -301,15 +297,6 @@ void Mapper::LeaveOut(const Segment& segment, const std::string& problem,
   result_.segments.push_back(std::move(report));
 }
 
-// `all` states the worst of its segments: the session has one accuracy for all of them.
-void TakeWorst(const Georegistration& segment, Georegistration* all) {
-  const auto take = [](double of_segment, double* worst) { *worst = std::max(*worst, of_segment); };
-  take(segment.accuracy.position_m, &all->accuracy.position_m);
-  take(segment.accuracy.rotation_rad, &all->accuracy.rotation_rad);
-  take(segment.stated_accuracy_m, &all->stated_accuracy_m);
-  take(segment.median_residual_m, &all->median_residual_m);
-}
-
 // Appends the segment to the model, in whose world it is moved.
 void Mapper::Add(const PlacedSegment& placed) {
   Reconstruction& model = result_.model;
@@ -372,6 +359,16 @@ void Mapper::ReportCameras() {
       result_.cameras.push_back(
           {result_.model.cameras[i], before.camera.focal_px(), before.source, num_photos[i]});
     }
+  }
+  const auto num_corrected = std::ranges::count_if(folder_.set.photos, [&](const auto& photo) {
+    return cameras_as_read_[photo.camera_idx].source == FocalSource::kExif &&
+           folder_.set.cameras[photo.camera_idx].source == FocalSource::kPhotos;
+  });
+  if (num_corrected > 0) {
+    result_.notes.push_back(fmt::format(
+        "the focal length in the EXIF of {} photos contradicts what they show and does not count; "
+        "perhaps they were cropped or enlarged after they were taken",
+        num_corrected));
   }
 }
 

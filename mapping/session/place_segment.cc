@@ -128,4 +128,12 @@ PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segme
   return placed;
 }
 
+void TakeWorst(const Georegistration& segment, Georegistration* all) {
+  const auto take = [](double of_segment, double* worst) { *worst = std::max(*worst, of_segment); };
+  take(segment.accuracy.position_m, &all->accuracy.position_m);
+  take(segment.accuracy.rotation_rad, &all->accuracy.rotation_rad);
+  take(segment.stated_accuracy_m, &all->stated_accuracy_m);
+  take(segment.median_residual_m, &all->median_residual_m);
+}
+
 }  // namespace cairn

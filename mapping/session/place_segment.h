@@ -32,6 +32,9 @@ struct PlacedSegment {
 PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
                            const GeoregisterOptions& options, const AdjustOptions& adjust);
 
+// Makes `all` state the worst of its segments: a session has one accuracy for all of them.
+void TakeWorst(const Georegistration& segment, Georegistration* all);
+
 }  // namespace cairn
 
 #endif  // CAIRN_MAPPING_SESSION_PLACE_SEGMENT_H_

@@ -1,0 +1,26 @@
+// Focal lengths of EXIF that the photos contradict.
+#ifndef CAIRN_MAPPING_MATCHING_CORRECT_FOCALS_H_
+#define CAIRN_MAPPING_MATCHING_CORRECT_FOCALS_H_
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "mapping/matching/two_view.h"
+#include "mapping/photo_set.h"
+
+namespace cairn {
+
+// Returns nothing if no focal length is wrong, else the cameras of the set. Where the source was
+// kExif, and the two views of the camera's photos agree that its focal length is wrong by two
+// fifths or more, the camera has the one that they tell, the source kPhotos, and the standard
+// deviation found. Programs that crop or enlarge a photo leave the focal length of the whole
+// picture in its EXIF. Each camera is judged while the others keep theirs. Deterministic; the
+// result does not depend on the number of threads.
+std::optional<std::vector<MappingCamera>> CorrectFocals(const PhotoSet& set,
+                                                        std::span<const TwoView> views,
+                                                        int num_threads);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_MATCHING_CORRECT_FOCALS_H_
