@@ -11,7 +11,7 @@
 #include "core/camera.h"
 #include "core/features/sift/sift_extractor.h"
 #include "mapping/photo_set.h"
-#include "mapping/work/work_folder.h"
+#include "mapping/work_folder.h"
 
 namespace cairn {
 

@@ -16,7 +16,7 @@
 #include "mapping/session/stage_clock.h"
 #include "mapping/session/stage_codec.h"
 #include "mapping/session/stage_keys.h"
-#include "mapping/work/work_folder.h"
+#include "mapping/work_folder.h"
 
 namespace cairn {
 namespace {

@@ -1,4 +1,4 @@
-#include "mapping/work/work_folder.h"
+#include "mapping/work_folder.h"
 
 #include <gtest/gtest.h>
 

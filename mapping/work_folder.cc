@@ -1,4 +1,4 @@
-#include "mapping/work/work_folder.h"
+#include "mapping/work_folder.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // The results of stages on disk, so that a run that was killed goes on where it was.
-#ifndef CAIRN_MAPPING_WORK_WORK_FOLDER_H_
-#define CAIRN_MAPPING_WORK_WORK_FOLDER_H_
+#ifndef CAIRN_MAPPING_WORK_FOLDER_H_
+#define CAIRN_MAPPING_WORK_FOLDER_H_
 
 #include <cstdint>
 #include <optional>
@@ -41,4 +41,4 @@ class WorkFolder {
 
 }  // namespace cairn
 
-#endif  // CAIRN_MAPPING_WORK_WORK_FOLDER_H_
+#endif  // CAIRN_MAPPING_WORK_FOLDER_H_
