@@ -17,6 +17,11 @@
 namespace cairn {
 namespace {
 
+// An answer whose camera was estimated needs this confidence. The least score of an answer means as
+// much for a position that is certain (AnswerOptions::min_score). A focal length that is estimated
+// trades off against the distance, so the position may be uncertain although the score is high.
+constexpr double kMinConfidenceOfEstimatedCamera = 0.5;
+
 // A hypothesis with its score.
 struct Contender {
   const PoseHypothesis* hypothesis = nullptr;
@@ -207,14 +212,20 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
     result->reason = ReasonOfWeakness(query, answer, options);
     return;
   }
-  result->reason = NotLocalizedReason::kNone;
+  LocalizeResult filled = *result;
+  filled.reason = NotLocalizedReason::kNone;
   FillPose(
       query, tiles, answer, options.calibration,
       ViewRecall(query, tiles, refined.camera ? refined.camera->camera : query.camera, refined),
-      result);
-  result->camera = refined.camera;
+      &filled);
+  if (refined.camera && filled.confidence < kMinConfidenceOfEstimatedCamera) {
+    result->reason = NotLocalizedReason::kTooFewInliers;
+    return;
+  }
+  filled.camera = refined.camera;
   FillMatches(refined.camera ? WithCamera(query, refined.camera->camera) : query, tiles, refined,
-              result);
+              &filled);
+  *result = std::move(filled);
 }
 
 }  // namespace cairn

@@ -24,7 +24,8 @@ bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& option
 // reason:
 //  - kAmbiguous: see AnswerOptions;
 //  - kPriorMismatch: the score is too low only because the pose is far from the prior;
-//  - kTooFewInliers: otherwise.
+//  - kTooFewInliers: otherwise; also if the camera was estimated and the pose is more likely wrong
+//    than right, because the inliers leave the distance open along with the focal length.
 // `hypotheses` must not be empty.
 void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
                     const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,

@@ -182,6 +182,21 @@ TEST(ConcludeAnswer, SaysTooFewInliersBelowTheThreshold) {
   EXPECT_EQ(Conclude({HypothesisAt({0, 0, 0}, 15.0)}).reason, NotLocalizedReason::kTooFewInliers);
 }
 
+// A focal length that is estimated leaves the distance open, which the score does not know.
+TEST(ConcludeAnswer, IsNoAnswerIfTheCameraLeavesThePositionOpen) {
+  PoseHypothesis wide = HypothesisAt({1, 0, 0}, 140.0);
+  wide.estimate.covariance.bottomRightCorner<3, 3>() *= 900.0;  // 3 m an axis.
+  const LocalizeResult known = Conclude({wide});
+  EXPECT_TRUE(known.localized);
+  EXPECT_LT(known.confidence, 0.5);
+  wide.camera.emplace();
+  const LocalizeResult estimated = Conclude({wide});
+  EXPECT_FALSE(estimated.localized);
+  EXPECT_EQ(estimated.reason, NotLocalizedReason::kTooFewInliers);
+  wide.estimate.covariance *= 0.01;
+  EXPECT_TRUE(Conclude({wide}).localized);
+}
+
 TEST(ConcludeAnswer, ScalesTheAccuraciesAsCalibrated) {
   AnswerOptions options;
   options.calibration.position_accuracy_factor = 3.0;
