@@ -18,6 +18,9 @@ namespace {
 
 using Reason = NotLocalizedReason;
 
+// If no pose has this evidence, the query probably shows nothing of the map (docs/decisions/0062).
+constexpr double kMinEvidence = 10.0;
+
 bool CameraIsUncertain(const LocalizeQuery& query) {
   return query.focal && query.focal->log_sigma > kMaxTrustedFocalLogSigma;
 }
@@ -42,12 +45,36 @@ void Search::Estimate(const QueryContext& context, const SharedMatches& matches)
                                          &hypotheses_, counters_);
 }
 
+void Search::MatchKeyframesOf(const QueryContext& context, const SharedMatches& matches,
+                              const RefinementOptions& refinement) {
+  is_complete_ &= MatchKeyframes(context, tiles_, *matches,
+                                 {refinement, options_.matching, options_.pose, options_.seed},
+                                 budget_, &hypotheses_, counters_);
+}
+
+bool Search::SeesTheMap() const {
+  return options_.refinement.mode == RefinementMode::kAlways ||
+         evidence_of_rounds_ >= kMinEvidence || hypotheses_.AnyHasEvidence(kMinEvidence);
+}
+
 void Search::Refine(const QueryContext& context, const SharedMatches& matches) {
-  if (NeedsRefinement(hypotheses_, options_.refinement)) {
-    is_complete_ &=
-        MatchKeyframes(context, tiles_, *matches,
-                       {options_.refinement, options_.matching, options_.pose, options_.seed},
-                       budget_, &hypotheses_, counters_);
+  if (!NeedsRefinement(hypotheses_, options_.refinement)) {
+    return;
+  }
+  if (SeesTheMap()) {
+    MatchKeyframesOf(context, matches, options_.refinement);
+    return;
+  }
+  if (std::exchange(was_refined_unseen_, true)) {
+    return;
+  }
+  RefinementOptions by_matches = options_.refinement;
+  by_matches.max_pose_keyframes = 0;  // The keyframes of poses by chance promise nothing.
+  MatchKeyframesOf(context, matches, by_matches);
+  if (SeesTheMap()) {
+    RefinementOptions by_poses = options_.refinement;
+    by_poses.max_keyframes = 0;
+    MatchKeyframesOf(context, matches, by_poses);
   }
 }
 
@@ -107,6 +134,10 @@ bool Search::AnswerEarly(const LocalizeQuery& query, StageRunner* stages) {
     TryRound(num_keypoints, query, stages);
     if (camera_is_certain_ && IsBeyondDoubt(hypotheses_, SureEvidence(), options_.answer)) {
       return true;
+    }
+    if (!hypotheses_.empty()) {
+      evidence_of_rounds_ =
+          std::max(evidence_of_rounds_, hypotheses_.Best(1).front()->estimate.evidence);
     }
     if (hypotheses_.empty() && budget_.DeadlinePassed()) {
       hypotheses_ = std::move(of_last_round);

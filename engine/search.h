@@ -70,7 +70,14 @@ class Search {
   SharedMatches Match(int num_keypoints, FeatureMatcher* matcher);
   void Vote(const QueryContext& context, const SharedMatches& matches);
   void Estimate(const QueryContext& context, const SharedMatches& matches);
+  // Matches keyframes again if the poses need it. If nothing says that the query sees the map, then
+  // those that have the most matches, once a query, and those of the poses only if that changes.
   void Refine(const QueryContext& context, const SharedMatches& matches);
+  void MatchKeyframesOf(const QueryContext& context, const SharedMatches& matches,
+                        const RefinementOptions& refinement);
+  // Returns true if a pose, of this or an earlier round, has more evidence than most queries of
+  // elsewhere reach, or if the options want refinement whatever the evidence.
+  bool SeesTheMap() const;
   // Runs the stages from matching on again without gravity. Keeps the hypotheses found so far.
   void TryWithoutGravity();
 
@@ -85,6 +92,8 @@ class Search {
   bool is_complete_ = true;
   std::vector<PoseCandidate> candidates_;
   PoseHypotheses hypotheses_;
+  bool was_refined_unseen_ = false;
+  double evidence_of_rounds_ = 0.0;  // The largest of any round that left doubt.
   std::optional<QueryContext> with_camera_;
   std::optional<QueryContext> without_gravity_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/keypoint_shape.h"
 #include "engine/pose/gravity_two_point.h"
 #include "engine/pose/p3p.h"
 
@@ -61,11 +62,11 @@ std::vector<int> OrderByRank(const QueryContext& query,
   return order;
 }
 
-// Returns the observations of `subset`, grouped by keypoint, with the keypoints in random order.
-std::vector<RayObservation> MakeObservations(const QueryContext& query,
-                                             const std::vector<Correspondence>& correspondences,
-                                             const std::vector<int>& subset,
-                                             const PoseOptions& options, uint64_t seed) {
+// Returns `subset`, grouped by keypoint, with the keypoints in random order, without keypoints that
+// have no ray.
+std::vector<int> OrderAtRandom(const QueryContext& query,
+                               const std::vector<Correspondence>& correspondences,
+                               const std::vector<int>& subset, uint64_t seed) {
   // Rank of each keypoint in a random permutation (Fisher-Yates).
   Random random(seed);
   std::vector<int> rank(query.keypoints.size());
@@ -74,10 +75,16 @@ std::vector<RayObservation> MakeObservations(const QueryContext& query,
     rank[i] = rank[j];
     rank[j] = i;
   }
-  const std::vector<int> order = OrderByRank(query, correspondences, subset, rank);
+  return OrderByRank(query, correspondences, subset, rank);
+}
+
+std::vector<RayObservation> MakeObservations(const QueryContext& query,
+                                             const std::vector<Correspondence>& correspondences,
+                                             const std::vector<int>& order,
+                                             const PoseOptions& options) {
   std::vector<RayObservation> observations;
   observations.reserve(order.size());
-  for (int index : order) {
+  for (const int index : order) {
     const Correspondence& correspondence = correspondences[index];
     RayObservation observation;
     observation.ray_in_cam = query.rays_in_cam[correspondence.keypoint_idx];
@@ -146,6 +153,34 @@ Rigid3d ToRigid(const PoseRansacProblem::Model& cam_from_anchor) {
   return {Eigen::Matrix3d(cam_from_anchor.leftCols<3>()), cam_from_anchor.col(3)};
 }
 
+// Returns false if a camera would see the landmark of a match from where a right match is not seen.
+// Nothing speaks against a size that is unknown.
+//  - The keypoint is kMaxSizeFactor times as large as the landmark's size predicts, or as small.
+//    That costs a match 10 nats of evidence (EvidenceModel::size), more than it can make up for. A
+//    tighter limit loses poses from samples that are nearly right.
+//  - The camera is behind the surface that the mapping camera saw. Its direction of view is taken
+//    to have had the same slope.
+bool IsPlausible(const QueryContext& query, const Correspondence& match,
+                 const Eigen::Vector3d& landmark_to_camera) {
+  constexpr double kMaxSizeFactor = 4.0;
+  const double sq_distance = landmark_to_camera.squaredNorm();
+  const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
+  if (match.size_m > 0.0f && HasScale(keypoint)) {
+    const double predicted_m =
+        match.size_m * query.CameraOf(match.keypoint_idx).focal_px() / keypoint.scale_px;
+    const double sq_ratio = sq_distance / (predicted_m * predicted_m);
+    constexpr double kMaxSqRatio = kMaxSizeFactor * kMaxSizeFactor;
+    if (sq_ratio > kMaxSqRatio || sq_ratio < 1.0 / kMaxSqRatio) {
+      return false;
+    }
+  }
+  const double horizontal_m = landmark_to_camera.head<2>().norm();
+  const double along_view_m = std::cos(match.azimuth_rad) * landmark_to_camera.x() +
+                              std::sin(match.azimuth_rad) * landmark_to_camera.y();
+  const double sq_slope = landmark_to_camera.z() * landmark_to_camera.z();
+  return along_view_m * horizontal_m + sq_slope >= 0.0;
+}
+
 }  // namespace
 
 std::optional<GravityPrior> MakeGravityPrior(const QueryContext& query,
@@ -161,8 +196,10 @@ PoseRansacProblem::PoseRansacProblem(const QueryContext& query,
                                      const std::vector<int>& subset, const PoseOptions& options,
                                      uint64_t seed)
     : query_(query),
+      correspondences_(correspondences),
       options_(options),
-      observations_(MakeObservations(query, correspondences, subset, options, seed)),
+      order_(OrderAtRandom(query, correspondences, subset, seed)),
+      observations_(MakeObservations(query, correspondences, order_, options)),
       consensus_(observations_, options.consensus),
       preference_(
           PreferenceOf(observations_, query.same_landmark_distance, options.distance_weight)),
@@ -213,11 +250,8 @@ bool PoseRansacProblem::DrawSample(Random* random, std::array<int, 3>* sample) c
   return true;
 }
 
-int PoseRansacProblem::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
-  std::array<int, 3> sample;
-  if (!DrawSample(random, &sample)) {
-    return 0;
-  }
+int PoseRansacProblem::SolveSample(const std::array<int, 3>& sample,
+                                   std::array<Model, kMaxModels>* models) const {
   std::array<Eigen::Vector3d, 3> x_in_anchor;
   for (int i = 0; i < sample_size(); ++i) {
     x_in_anchor[i] = observations_[sample[i]].x_in_anchor;
@@ -240,6 +274,29 @@ int PoseRansacProblem::SampleModels(Random* random, std::array<Model, kMaxModels
     (*models)[i].col(3) += observations_[sample[0]].origin_in_cam;
   }
   return num_poses;
+}
+
+bool PoseRansacProblem::IsPlausibleFor(const std::array<int, 3>& sample,
+                                       const Model& cam_from_anchor) const {
+  return std::all_of(sample.begin(), sample.begin() + sample_size(), [&](int index) {
+    const RayObservation& observation = observations_[index];
+    const Eigen::Vector3d camera_in_anchor = cam_from_anchor.leftCols<3>().transpose() *
+                                             (observation.origin_in_cam - cam_from_anchor.col(3));
+    return IsPlausible(query_, correspondences_[order_[index]],
+                       camera_in_anchor - observation.x_in_anchor);
+  });
+}
+
+int PoseRansacProblem::SampleModels(Random* random, std::array<Model, kMaxModels>* models) {
+  std::array<int, 3> sample;
+  if (!DrawSample(random, &sample)) {
+    return 0;
+  }
+  const auto end = models->begin() + SolveSample(sample, models);
+  return static_cast<int>(
+      std::remove_if(models->begin(), end,
+                     [&](const Model& model) { return !IsPlausibleFor(sample, model); }) -
+      models->begin());
 }
 
 double PoseRansacProblem::ScoreMinimal(const Model& cam_from_anchor, double score_to_beat) {

@@ -24,6 +24,10 @@ namespace cairn {
 // In a rig, the two points may belong to different cameras. The three points of P3P belong to one
 // camera, so cameras with fewer keypoints give no samples.
 //
+// Most samples of wrong matches contradict themselves: the camera would be too near or too far for
+// the sizes of the sample's own keypoints, or would see its landmarks from behind. Such poses are
+// dropped before they are scored, which is what costs most.
+//
 // A two-point pose inherits the error of the measured gravity, so it is scored with thresholds
 // widened by twice gravity_sigma_rad. Local optimization frees all six degrees of freedom and
 // scores with unwidened thresholds. Keeps references to its arguments. Not thread-safe.
@@ -51,10 +55,16 @@ class PoseRansacProblem {
   // Draws observations of distinct keypoints. Returns false if the camera of the first has too few
   // for P3P.
   bool DrawSample(Random* random, std::array<int, 3>* sample) const;
+  // Returns the number of poses that explain a sample.
+  int SolveSample(const std::array<int, 3>& sample, std::array<Model, kMaxModels>* models) const;
+  // Returns true if the sizes and the directions of view of the sample's matches fit the pose.
+  bool IsPlausibleFor(const std::array<int, 3>& sample, const Model& cam_from_anchor) const;
   std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);
 
   const QueryContext& query_;
+  const std::vector<Correspondence>& correspondences_;
   const PoseOptions& options_;
+  std::vector<int> order_;                    // The correspondence of each observation.
   std::vector<RayObservation> observations_;  // Keypoints in random order.
   ConsensusSet consensus_;
   // Preference for an observation over others of its keypoint, in (0, 1]; 1 for the observation

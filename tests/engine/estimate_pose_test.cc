@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <set>
+#include <vector>
 
+#include "core/random.h"
+#include "engine/pose/pose_ransac_problem.h"
 #include "engine/scene_estimate.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
@@ -164,6 +168,33 @@ TEST(EstimatePose, ToleratesGravityOffByThreeSigma) {
 }
 
 // Descriptors of one landmark are nearer to each other than others, as in matching.
+// Returns the share of samples that give a pose to score.
+double ShareOfSamplesWithPoses(const PoseScene& scene) {
+  const PoseOptions options;
+  const std::vector<int> all = scene.AllIndices();
+  PoseRansacProblem problem(scene.query, scene.correspondences, all, options, 1);
+  Random random(1);
+  std::array<PoseRansacProblem::Model, PoseRansacProblem::kMaxModels> models;
+  constexpr int kNumSamples = 2000;
+  int num_with_poses = 0;
+  for (int i = 0; i < kNumSamples; ++i) {
+    num_with_poses += problem.SampleModels(&random, &models) > 0;
+  }
+  return static_cast<double>(num_with_poses) / kNumSamples;
+}
+
+// Scoring costs most where all matches are wrong, and few of their samples are worth it.
+TEST(EstimatePose, ScoresFewPosesThatContradictTheirOwnSample) {
+  for (const bool has_gravity : {true, false}) {
+    PoseSceneOptions options;
+    options.has_gravity = has_gravity;
+    options.num_inliers = 0;
+    EXPECT_LT(ShareOfSamplesWithPoses(MakePoseScene(options)), 0.3);
+    options.num_inliers = options.num_keypoints;
+    EXPECT_GT(ShareOfSamplesWithPoses(MakePoseScene(options)), 0.9);
+  }
+}
+
 TEST(EstimatePose, DrawsNearMatchesMoreOften) {
   PoseSceneOptions options;
   options.num_keypoints = 500;
