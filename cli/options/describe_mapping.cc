@@ -8,6 +8,8 @@ void DescribePairs(PairOptions* options, OptionList* list) {
   list->Add("max_exhaustive", &options->max_exhaustive,
             "A set of at most this many photos is matched completely");
   list->Add("max_voters", &options->max_voters, "Keypoints of a photo that vote for partners");
+  list->Add("max_panel", &options->max_panel,
+            "Photos of one place that a photo is compared with at once");
   list->Add("neighbors_per_voter", &options->neighbors_per_voter,
             "Nearest descriptors whose photos get a vote");
   list->Add("max_distance_m", &options->max_distance_m,

@@ -1,128 +1,22 @@
 #include "mapping/pairs/find_pairs.h"
 
 #include <algorithm>
-#include <map>
-#include <memory>
 #include <mutex>
-#include <numeric>
 #include <set>
+#include <tuple>
 
 #include "core/parallel_for.h"
+#include "core/random.h"
 #include "core/require.h"
-#include "engine/index/matching_index.h"
-#include "ingest/codebook/shipped_codebook.h"
 #include "mapping/pairs/divide_polls.h"
-#include "storage/codebook/descriptor_codec.h"
-#include "storage/codebook/distance_statistics.h"
+#include "mapping/pairs/electorate.h"
 
 namespace cairn {
 namespace {
 
-// Distances of the descriptors of one landmark up to this quantile are looked at.
-constexpr double kDistanceQuantile = 0.9;
-
-// The descriptors of a photo's largest keypoints.
-DescriptorMatrix VotersOf(const MappingPhoto& photo, int max_voters) {
-  std::vector<int> order(photo.keypoints.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int p, int q) {
-    return photo.keypoints[p].scale_px > photo.keypoints[q].scale_px;
-  });
-  order.resize(std::min<size_t>(order.size(), max_voters));
-  DescriptorMatrix voters(order.size(), photo.descriptors.cols());
-  for (size_t i = 0; i < order.size(); ++i) {
-    voters.row(i) = photo.descriptors.row(order[i]).cast<float>();
-  }
-  return voters;
-}
-
-// The voters of all photos, as codes.
-class Voters {
- public:
-  Voters(const PhotoSet& set, const PairOptions& options)
-      : set_(set), options_(options), codec_(ShippedCodebook()), codes_(set.photos.size()) {
-    ParallelFor(static_cast<int>(set.photos.size()), options.num_threads, [&](int i) {
-      if (!set.photos[i].keypoints.empty()) {
-        codes_[i] = codec_.Encode(Of(i));
-      }
-    });
-  }
-
-  const Codebook& codebook() const { return codec_.codebook(); }
-  // Projected. Computed each time: those of all photos would take more memory than their codes.
-  DescriptorMatrix Of(int photo) const {
-    return codec_.Project(VotersOf(set_.photos[photo], options_.max_voters));
-  }
-  const std::vector<uint8_t>& CodesOf(int photo) const { return codes_[photo]; }
-
- private:
-  const PhotoSet& set_;
-  const PairOptions& options_;
-  DescriptorCodec codec_;
-  std::vector<std::vector<uint8_t>> codes_;  // Of each photo; none without keypoints.
-};
-
-// The voters of some photos in one index.
-class Electorate {
- public:
-  // `photos` ascend.
-  Electorate(const Voters& voters, const std::vector<int>& photos, const PairOptions& options)
-      : voters_(voters), options_(options) {
-    for (const int photo : photos) {
-      const std::vector<uint8_t>& codes = voters.CodesOf(photo);
-      codes_.insert(codes_.end(), codes.begin(), codes.end());
-      photo_of_descriptor_.resize(codes_.size() / voters.codebook().num_subspaces, photo);
-    }
-    if (!codes_.empty()) {
-      IndexOptions index_options;
-      index_options.kind = IndexKind::kInvertedLists;
-      index_ = MakeMatchingIndex(voters.codebook(), codes_, index_options);
-    }
-  }
-
-  // Votes of one photo's keypoints for each photo that has any. `may_choose` says which photos
-  // count.
-  template <typename MayChoose>
-  std::map<int, int> VotesOf(int photo, const MayChoose& may_choose) const {
-    std::map<int, int> votes;
-    if (index_ == nullptr || voters_.CodesOf(photo).empty()) {
-      return votes;
-    }
-    std::vector<DescriptorHit> hits;
-    index_->RangeSearch(voters_.Of(photo),
-                        SameLandmarkDistance(voters_.codebook(), kDistanceQuantile), &hits);
-    for (auto begin = hits.begin(); begin != hits.end();) {
-      const auto end = std::find_if(begin, hits.end(), [&](const DescriptorHit& hit) {
-        return hit.query_idx != begin->query_idx;
-      });
-      const auto wanted = std::partition(begin, end, [&](const DescriptorHit& hit) {
-        return may_choose(photo_of_descriptor_[hit.descriptor_idx]);
-      });
-      const auto last =
-          begin + std::min<std::ptrdiff_t>(wanted - begin, options_.neighbors_per_voter);
-      std::partial_sort(begin, last, wanted, [](const DescriptorHit& p, const DescriptorHit& q) {
-        return std::pair(p.sq_distance, p.descriptor_idx) <
-               std::pair(q.sq_distance, q.descriptor_idx);
-      });
-      std::set<int> photos;
-      for (auto hit = begin; hit != last; ++hit) {
-        photos.insert(photo_of_descriptor_[hit->descriptor_idx]);
-      }
-      for (const int chosen : photos) {
-        ++votes[chosen];
-      }
-      begin = end;
-    }
-    return votes;
-  }
-
- private:
-  const Voters& voters_;
-  const PairOptions& options_;
-  std::vector<uint8_t> codes_;
-  std::vector<int> photo_of_descriptor_;
-  std::unique_ptr<const MatchingIndex> index_;
-};
+// A photo is served by partners that look like this share of its voters each: a pair that shares a
+// tenth of its largest keypoints has far more matches than a two view needs.
+constexpr double kAlikeShare = 0.1;
 
 std::vector<std::pair<int, int>> AllPairs(int num_photos) {
   std::vector<std::pair<int, int>> pairs;
@@ -134,17 +28,108 @@ std::vector<std::pair<int, int>> AllPairs(int num_photos) {
   return pairs;
 }
 
-// The photos with the most votes, at most `count`.
-std::vector<int> MostVoted(const std::map<int, int>& votes, int count) {
-  std::vector<int> photos;
-  for (const auto& [photo, number] : votes) {
-    photos.push_back(photo);
+// Takes photos out of the pool, all or `max_panel` from all over it. A fixed step would take all
+// from one camera if several take turns.
+std::vector<int> TakePanel(size_t max_panel, std::vector<int>* pool) {
+  if (pool->size() <= max_panel) {
+    return std::exchange(*pool, {});
   }
-  std::stable_sort(photos.begin(), photos.end(),
-                   [&](int p, int q) { return votes.at(p) > votes.at(q); });
-  photos.resize(std::min<size_t>(photos.size(), count));
-  return photos;
+  std::vector<int> panel, rest;
+  for (size_t i = 0; i < max_panel; ++i) {
+    const size_t begin = i * pool->size() / max_panel, end = (i + 1) * pool->size() / max_panel;
+    const size_t taken = begin + HashWord((*pool)[begin]) % (end - begin);
+    for (size_t k = begin; k < end; ++k) {
+      (k == taken ? panel : rest).push_back((*pool)[k]);
+    }
+  }
+  *pool = std::move(rest);
+  return panel;
 }
+
+// What the polls have found so far.
+class Search {
+ public:
+  Search(const PhotoSet& set, const PairOptions& options,
+         const std::function<void(int done, int total)>& progress)
+      : options_(options),
+        progress_(progress),
+        voters_(set, options),
+        whereabouts_(set, options),
+        choices_(set.photos.size()),
+        num_alike_(set.photos.size(), 0) {}
+
+  void Run() {
+    for (const Poll& poll : DividePolls(whereabouts_, static_cast<int>(choices_.size()))) {
+      Ask(poll);
+    }
+  }
+
+  std::vector<std::pair<int, int>> Pairs() const {
+    std::set<std::pair<int, int>> pairs;
+    for (int photo = 0; photo < static_cast<int>(choices_.size()); ++photo) {
+      for (const Ballot& choice : choices_[photo]) {
+        pairs.insert(std::minmax(photo, choice.photo));
+      }
+    }
+    return {pairs.begin(), pairs.end()};
+  }
+
+ private:
+  bool IsServed(int photo) const { return num_alike_[photo] >= options_.max_partners; }
+
+  // Photos that are served neither ask nor are asked any more: who would choose them finds others.
+  void Ask(const Poll& poll) {
+    std::vector<int> asking = poll.photos, pool = poll.candidates;
+    const bool has_panels = pool.size() > static_cast<size_t>(options_.max_panel);
+    while (!asking.empty() && !pool.empty()) {
+      const std::vector<int> panel = TakePanel(options_.max_panel, &pool);
+      const Electorate electorate(voters_, panel, options_);
+      ParallelFor(static_cast<int>(asking.size()), options_.num_threads, [&](int i) {
+        Choose(electorate, has_panels, asking[i]);
+        if (pool.empty() || IsServed(asking[i])) {
+          ReportOneDone();
+        }
+      });
+      const auto is_served = [&](int photo) { return IsServed(photo); };
+      std::erase_if(asking, is_served);
+      std::erase_if(pool, is_served);
+    }
+  }
+
+  // Keeps the photos with the most votes. Each voter has as many votes in each panel, whether the
+  // panel shows the same or not, so those of several panels are ranked by what looks alike.
+  void Choose(const Electorate& electorate, bool has_panels, int photo) {
+    std::vector<Ballot>& choices = choices_[photo];
+    for (const Ballot& ballot : electorate.VotesOf(photo, [&](int other) {
+           return other != photo && whereabouts_.MayMeet(photo, other);
+         })) {
+      num_alike_[photo] += ballot.num_alike >= kAlikeShare * voters_.CountOf(photo) ? 1 : 0;
+      choices.push_back(ballot);
+    }
+    const auto rank = [&](const Ballot& ballot) {
+      return std::tuple(has_panels ? -ballot.num_alike : 0, -ballot.votes, ballot.photo);
+    };
+    std::sort(choices.begin(), choices.end(),
+              [&](const Ballot& p, const Ballot& q) { return rank(p) < rank(q); });
+    choices.resize(std::min<size_t>(choices.size(), options_.max_partners));
+  }
+
+  void ReportOneDone() {
+    if (progress_) {
+      const std::lock_guard lock(mutex_);
+      progress_(++num_done_, static_cast<int>(choices_.size()));
+    }
+  }
+
+  const PairOptions& options_;
+  const std::function<void(int done, int total)>& progress_;
+  const Voters voters_;
+  const Whereabouts whereabouts_;
+  std::vector<std::vector<Ballot>> choices_;  // Of each photo, most votes first.
+  std::vector<int> num_alike_;                // Photos that look like kAlikeShare of a photo.
+  std::mutex mutex_;
+  int num_done_ = 0;
+};
 
 }  // namespace
 
@@ -152,6 +137,7 @@ void PairOptions::Validate() const {
   RequireWithin("pairs.max_partners", max_partners, 2, 1000);
   RequireWithin("pairs.max_exhaustive", max_exhaustive, 0, 1000);
   RequireWithin("pairs.max_voters", max_voters, 10, 100'000);
+  RequireWithin("pairs.max_panel", max_panel, 10, 100'000);
   RequireWithin("pairs.neighbors_per_voter", neighbors_per_voter, 1, 100);
   RequireWithin("pairs.max_distance_m", max_distance_m, 0.0, 1e6);
   RequireWithin("pairs.default_accuracy_m", default_accuracy_m, 0.0, 1e6);
@@ -166,31 +152,9 @@ std::vector<std::pair<int, int>> FindPairs(
   if (num_photos <= options.max_exhaustive) {
     return AllPairs(num_photos);
   }
-  const Voters voters(set, options);
-  const Whereabouts whereabouts(set, options);
-  std::vector<std::vector<int>> partners(num_photos);
-  std::mutex mutex;
-  int num_done = 0;
-  for (const Poll& poll : DividePolls(whereabouts, num_photos)) {
-    const Electorate electorate(voters, poll.candidates, options);
-    ParallelFor(static_cast<int>(poll.photos.size()), options.num_threads, [&](int i) {
-      const int photo = poll.photos[i];
-      const std::map<int, int> votes = electorate.VotesOf(
-          photo, [&](int other) { return other != photo && whereabouts.MayMeet(photo, other); });
-      partners[photo] = MostVoted(votes, options.max_partners);
-      if (progress) {
-        const std::lock_guard lock(mutex);
-        progress(++num_done, num_photos);
-      }
-    });
-  }
-  std::set<std::pair<int, int>> pairs;
-  for (int photo = 0; photo < num_photos; ++photo) {
-    for (const int other : partners[photo]) {
-      pairs.insert(std::minmax(photo, other));
-    }
-  }
-  return {pairs.begin(), pairs.end()};
+  Search search(set, options, progress);
+  search.Run();
+  return search.Pairs();
 }
 
 }  // namespace cairn

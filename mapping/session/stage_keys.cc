@@ -18,8 +18,8 @@ std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
                        const MappingOptions& options) {
   std::string key = fmt::format("mapping 7 {}", folder.digest);
   const PairOptions& p = options.pairs;
-  key += fmt::format(" pairs {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
-                     p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
+  key += fmt::format(" pairs {} {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
+                     p.max_panel, p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
   const TwoViewOptions& t = options.two_views;
   key += fmt::format(" views {} {} {} {} {}", t.descriptors.max_ratio, t.descriptors.max_distance,
                      t.min_inliers, t.max_iterations, t.seed);
