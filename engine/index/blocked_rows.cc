@@ -7,11 +7,14 @@
 
 #include "core/simd.h"
 #include "engine/index/distance_kernels.h"
+#include "storage/tile/tile_lists.h"
 
 namespace cairn {
 namespace {
 
 constexpr int32_t kFarAway = 1 << 30;
+// Rows of 16 bytes each, which fill a part of a level 2 cache; whole blocks.
+constexpr size_t kRowsInCache = 4096;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
 
@@ -141,31 +144,51 @@ BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32
   }
 }
 
-BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes)
-    : BlockedRows(words, codes, {}, nullptr) {}
-
-BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
-                         std::span<const uint32_t> run_begin, std::vector<uint32_t>* run_sums)
-    : size_(codes.size() / words.num_subspaces()),
+BlockedRows::BlockedRows(const CodeWords& words, size_t size)
+    : size_(size),
       stride_(words.stride()),
       centers_(stride_, kRowCenter),
       blocks_(PaddedSize(size_) * stride_),
       sq_norms_(PaddedSize(size_)) {
-  constexpr size_t kMaxRows = 4096;  // Rows of 16 bytes each, which fill a part of a level 2 cache.
+  std::fill(sq_norms_.begin() + static_cast<ptrdiff_t>(size_), sq_norms_.end(), kFarAway);
+}
+
+void BlockedRows::Expand(const CodeWords& words, std::span<const uint8_t> codes, size_t begin) {
+  BestExpansionKernel().expand(words, codes.data(), codes.size() / words.num_subspaces(),
+                               blocks_.data() + begin * stride_, sq_norms_.data() + begin);
+}
+
+BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes)
+    : BlockedRows(words, codes, {}, nullptr) {}
+
+BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
+                         std::span<const uint32_t> order)
+    : BlockedRows(words, order.size()) {
+  const size_t code_size = words.num_subspaces();
+  std::vector<uint8_t> gathered(std::min(kRowsInCache, size_) * code_size);
+  for (size_t begin = 0; begin < size_; begin += kRowsInCache) {
+    const size_t count = std::min(kRowsInCache, size_ - begin);
+    GatherRows(codes, code_size, order.subspan(begin, count), gathered.data());
+    Expand(words, {gathered.data(), count * code_size}, begin);
+  }
+}
+
+BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
+                         std::span<const uint32_t> run_begin, std::vector<uint32_t>* run_sums)
+    : BlockedRows(words, codes.size() / words.num_subspaces()) {
+  const size_t code_size = words.num_subspaces();
   const size_t num_runs = run_begin.empty() ? 0 : run_begin.size() - 1;
   if (num_runs > 0) {
     run_sums->resize(num_runs * stride_);
   }
   size_t run = 0;
-  for (size_t begin = 0; begin < size_; begin += kMaxRows) {
-    const size_t end = std::min(size_, begin + kMaxRows);
-    BestExpansionKernel().expand(words, codes.data() + begin * words.num_subspaces(), end - begin,
-                                 blocks_.data() + begin * stride_, sq_norms_.data() + begin);
+  for (size_t begin = 0; begin < size_; begin += kRowsInCache) {
+    const size_t end = std::min(size_, begin + kRowsInCache);
+    Expand(words, codes.subspan(begin * code_size, (end - begin) * code_size), begin);
     for (; run < num_runs && run_begin[run + 1] <= end; ++run) {
       Sum(run_begin[run], run_begin[run + 1], run_sums->data() + run * stride_);
     }
   }
-  std::fill(sq_norms_.begin() + static_cast<ptrdiff_t>(size_), sq_norms_.end(), kFarAway);
 }
 
 void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {

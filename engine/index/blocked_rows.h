@@ -27,9 +27,12 @@ class BlockedRows {
   BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order);
   // `codes` are rows of words.num_subspaces() bytes, which are held in the given order.
   BlockedRows(const CodeWords& words, std::span<const uint8_t> codes);
-  // Like the constructor above; also computes Sum for each run of rows while the rows are in the
-  // cache. Run i consists of the rows from run_begin[i] to run_begin[i + 1]. `run_sums` receives
-  // stride() numbers per run.
+  // `order` lists the rows of codes to hold, in order.
+  BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
+              std::span<const uint32_t> order);
+  // Holds the codes in the given order; also computes Sum for each run of rows while the rows are
+  // in the cache. Run i consists of the rows from run_begin[i] to run_begin[i + 1]. `run_sums`
+  // receives stride() numbers per run.
   BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
               std::span<const uint32_t> run_begin, std::vector<uint32_t>* run_sums);
 
@@ -89,6 +92,11 @@ class BlockedRows {
 
  private:
   static constexpr int kCacheLineBytes = 64;
+
+  // Allocates `size` rows; only the padding is filled.
+  BlockedRows(const CodeWords& words, size_t size);
+  // Fills the rows from `begin` on, the first row of a block.
+  void Expand(const CodeWords& words, std::span<const uint8_t> codes, size_t begin);
 
   size_t size_;
   int stride_;

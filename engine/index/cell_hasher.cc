@@ -244,10 +244,10 @@ std::vector<int16_t> CellHasher::RotatedWords(const Codebook& codebook, int grid
   return rotated;
 }
 
-std::vector<uint32_t> CellHasher::HashCodes(const Codebook& codebook,
+LargeVector<uint32_t> CellHasher::HashCodes(const Codebook& codebook,
                                             std::span<const uint8_t> codes, int grid) const {
   const size_t num_subspaces = codebook.num_subspaces;
-  std::vector<uint32_t> hashes(codes.size() / num_subspaces);
+  LargeVector<uint32_t> hashes(codes.size() / num_subspaces, 0);
   for (int begin = 0; begin < num_hashed_dims_; begin += kCoordinateLanes) {
     const int num_used = std::min(kCoordinateLanes, num_hashed_dims_ - begin);
     const std::vector<int16_t> words = RotatedWords(codebook, grid, begin, num_used);

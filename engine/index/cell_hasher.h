@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/large_vector.h"
 #include "engine/index/index_options.h"
 #include "engine/index/probe_sequence.h"
 #include "storage/codebook/codebook.h"
@@ -40,7 +41,7 @@ class CellHasher {
   int num_probes() const { return sequence_.size(); }
 
   // Returns the hashes of the cells of codes (n x num_subspaces bytes) in one grid.
-  std::vector<uint32_t> HashCodes(const Codebook& codebook, std::span<const uint8_t> codes,
+  LargeVector<uint32_t> HashCodes(const Codebook& codebook, std::span<const uint8_t> codes,
                                   int grid) const;
 
   // Computes the num_probes() hashes of the cells to search in one grid for a descriptor in

@@ -10,20 +10,22 @@ namespace cairn {
 namespace {
 
 // Returns the offsets of the cells' lists: num_cells + 1 numbers.
-std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cells) {
+std::vector<uint32_t> CellBegins(std::span<const uint32_t> cells, size_t num_cells,
+                                 int num_dropped_bits) {
   std::vector<uint32_t> begin(num_cells + 1, 0);
   for (const uint32_t cell : cells) {
-    ++begin[cell + 1];
+    ++begin[(cell >> num_dropped_bits) + 1];
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   return begin;
 }
 
 // Sorts the descriptors by cell. A counting sort.
-LargeVector<uint32_t> OrderByCell(std::span<const uint32_t> cells, std::vector<uint32_t> next) {
+LargeVector<uint32_t> OrderByCell(std::span<const uint32_t> cells, int num_dropped_bits,
+                                  std::vector<uint32_t> next) {
   LargeVector<uint32_t> order(cells.size());
   for (size_t descriptor = 0; descriptor < cells.size(); ++descriptor) {
-    order[next[cells[descriptor]]++] = static_cast<uint32_t>(descriptor);
+    order[next[cells[descriptor] >> num_dropped_bits]++] = static_cast<uint32_t>(descriptor);
   }
   return order;
 }
@@ -38,10 +40,10 @@ size_t MaxSize(const TileLists& lists) {
 
 }  // namespace
 
-TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells) {
+TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells, int num_dropped_bits) {
   TileLists lists;
-  lists.begin = CellBegins(cells, num_cells);
-  lists.members = OrderByCell(cells, lists.begin);
+  lists.begin = CellBegins(cells, num_cells, num_dropped_bits);
+  lists.members = OrderByCell(cells, num_dropped_bits, lists.begin);
   return lists;
 }
 
@@ -64,8 +66,9 @@ CellLists::CellLists(ByteScale scale, BlockedRows rows, TileLists lists,
   CAIRN_CHECK(lists_.members.size() == rows_.size(), "every descriptor has a cell");
 }
 
-// Prefetches the next cell, one slice per visit of the current cell. The lists of many tiles do not
-// fit the cache, so memory is read while the comparisons run.
+// Prefetches the cells that come next. Cells lie anywhere in memory, and the lists of many tiles do
+// not fit the cache. Reading a cell of a hundred descriptors takes longer than comparing them, so
+// the reads of several cells must be under way at once.
 class CellLists::Prefetcher {
  public:
   Prefetcher(const CellLists& lists, std::span<const CellVisit> visits)
@@ -73,36 +76,44 @@ class CellLists::Prefetcher {
 
   // Call before processing visit i; i increases by 1 each time.
   void Step(size_t i) {
-    if (i == run_end_) {
-      Fetch(end_);
-      while (run_end_ < visits_.size() && visits_[run_end_].cell == visits_[i].cell) {
-        ++run_end_;
-      }
-      if (run_end_ < visits_.size()) {
-        const uint32_t cell = visits_[run_end_].cell;
-        next_ = lists_.Begin(cell);
-        end_ = lists_.End(cell);
-        slice_ = (end_ - next_) / (run_end_ - i) + 1;
-      }
+    if (i == 0 || visits_[i].cell != visits_[i - 1].cell) {
+      num_ahead_ -= std::min(num_ahead_, NumFetched(visits_[i].cell));
     }
-    Fetch(std::min(end_, next_ + slice_));
+    while (num_ahead_ < kMaxAhead && next_ < visits_.size()) {
+      const uint32_t cell = visits_[next_].cell;
+      if (next_ == 0 || cell != visits_[next_ - 1].cell) {
+        Fetch(cell);
+      }
+      ++next_;
+    }
   }
 
  private:
-  void Fetch(size_t end) {
-    for (; next_ < end; next_ += kBlockRows) {
-      lists_.rows_.Prefetch(next_);
+  // Rows of 20 bytes in a part of a level 1 cache.
+  static constexpr uint32_t kMaxAhead = 512;
+  // The processor itself prefetches the rest of a long run.
+  static constexpr uint32_t kMaxOfCell = 256;
+
+  // Counts a cell as one block at least, because so much is read.
+  uint32_t NumFetched(uint32_t cell) const {
+    return std::clamp<uint32_t>(lists_.End(cell) - lists_.Begin(cell), kBlockRows, kMaxOfCell);
+  }
+  void Fetch(uint32_t cell) {
+    const uint32_t begin = lists_.Begin(cell);
+    const uint32_t end = std::min(lists_.End(cell), begin + kMaxOfCell);
+    for (uint32_t row = begin / kBlockRows * kBlockRows; row < end; row += kBlockRows) {
+      lists_.rows_.Prefetch(row);
       if (!lists_.options_.order.empty()) {
-        __builtin_prefetch(&lists_.lists_.members[next_]);
+        __builtin_prefetch(&lists_.lists_.members[row]);
       }
     }
+    num_ahead_ += NumFetched(cell);
   }
 
   const CellLists& lists_;
   const std::span<const CellVisit> visits_;
-  size_t run_end_ = 0;         // End of the visits to the current cell.
-  size_t next_ = 0, end_ = 0;  // Rows of the next cell that are not prefetched yet.
-  size_t slice_ = 0;
+  size_t next_ = 0;         // The first visit whose cell has not been looked at.
+  uint32_t num_ahead_ = 0;  // Rows that were prefetched and not compared yet.
 };
 
 int64_t CellLists::Search(const BlockQueries& queries, std::span<const CellVisit> visits,

@@ -21,8 +21,9 @@
 
 namespace cairn {
 
-// Returns the list of each cell. cells[i] < num_cells is the cell of descriptor i.
-TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells);
+// Returns the list of each cell. cells[i] >> num_dropped_bits, which is below num_cells, is the
+// cell of descriptor i.
+TileLists ListsOfCells(std::span<const uint32_t> cells, size_t num_cells, int num_dropped_bits = 0);
 
 // A query visits a cell: it is compared with the cell's descriptors.
 struct CellVisit {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 #include "core/random.h"
 #include "engine/index/cell_lists.h"
@@ -25,10 +24,8 @@ void PutSubsetFirst(size_t max_items, uint64_t seed, std::span<uint32_t> items) 
 
 TileLists SortIntoBuckets(std::span<const uint32_t> hashes, int num_bucket_bits, int max_items,
                           uint64_t seed) {
-  std::vector<uint32_t> buckets(hashes.size());
-  std::transform(hashes.begin(), hashes.end(), buckets.begin(),
-                 [&](uint32_t hash) { return BucketOf(hash, num_bucket_bits); });
-  TileLists lists = ListsOfCells(buckets, size_t{1} << num_bucket_bits);
+  TileLists lists =
+      ListsOfCells(hashes, size_t{1} << num_bucket_bits, kNumHashBits - num_bucket_bits);
   for (size_t bucket = 0; bucket < lists.num_lists(); ++bucket) {
     const size_t size = lists.begin[bucket + 1] - lists.begin[bucket];
     if (size > static_cast<size_t>(max_items)) {

@@ -9,9 +9,11 @@
 
 namespace cairn {
 
+inline constexpr int kNumHashBits = 32;
+
 // Returns the bucket of a hash, which is its upper bits. num_bucket_bits is in [1, 26].
 inline uint32_t BucketOf(uint32_t hash, int num_bucket_bits) {
-  return hash >> (32 - num_bucket_bits);
+  return hash >> (kNumHashBits - num_bucket_bits);
 }
 
 // Returns a list for each of the 2^num_bucket_bits buckets. A list holds the items i whose

@@ -13,23 +13,23 @@ namespace cairn {
 
 // Random grids (paper, section "Random Grids"; Aiger, Kokiopoulou, Rivlin, ICCV 2013). The defaults
 // trade recall of the nearest landmark against time and memory; they were chosen on SIFT of photos
-// and on synthetic descriptors (docs/decisions/0010).
+// and on synthetic descriptors (docs/decisions/0069).
 struct RandomGridsOptions {
   // N, 1 to 64. Each descriptor is in one cell of every grid. Time and memory are linear in N.
-  int num_grids = 2;
+  int num_grids = 1;
   // Number of leading dimensions of the rotated descriptor (see CellHasher) that form a cell's key,
   // 1 to 128. A descriptor with fewer dimensions is hashed whole. Fewer hashed dimensions make
   // coarser cells, which give more recall per grid and more candidates.
-  int num_hashed_dims = 10;
+  int num_hashed_dims = 12;
   // Side of a cell, [0.001, 1000], in units of sigma = d / sqrt(projected_dim). d is the codebook's
   // median same-landmark distance, so sigma is the standard deviation per dimension between two
-  // descriptors of one landmark. In 16 dimensions, 6 sigma are 1.5 d.
-  double cell_width_sigmas = 6.0;
+  // descriptors of one landmark. In 16 dimensions, 8 sigma are 2 d.
+  double cell_width_sigmas = 8.0;
   // Cells searched per grid, 1 to 128: the query's own cell, then cells across the nearest borders.
-  // 12, 20 and 28 probes find the nearest landmark 0.92 to 0.96, 0.95 to 0.98 and 0.97 to 0.99
-  // times as often as exhaustive search. 20, 28 or 56 probes localized no more queries than 12; 8
-  // probes localized fewer (docs/decisions/0010).
-  int num_probes = 12;
+  // 40 probes find the nearest landmark 0.93 to 0.97 times as often as exhaustive search. They
+  // localize as many queries as 12 in each of two smaller grids; 24 localize fewer
+  // (docs/decisions/0069).
+  int num_probes = 40;
   // Descriptors per cell that are compared, 1 to 10,000; of a fuller cell, a random subset. The
   // paper uses 100. Here the descriptors of a cell are contiguous in memory, so more are
   // affordable.
@@ -42,10 +42,10 @@ struct RandomGridsOptions {
 
 // Inverted lists: k-means cells, each with a list of descriptors that are contiguous in memory. On
 // the tile on which random grids were measured, the defaults find 98 % of the nearest landmarks
-// with 5,900 distances per query. They take about the time of random grids, with 24 instead of 49
-// bytes per descriptor. 8 probes find 96 % and 16 probes 99 %. In the simulated cities, 12 probes
-// answer as many queries as all 1,024; 8 probes do not. If ingest stored lists with a tile, these
-// are used, and num_lists, num_iterations and seed do not apply.
+// with 5,900 distances per query, and take as much memory as one random grid. 8 probes find 96 %
+// and 16 probes 99 %. In the simulated cities, 12 probes answer as many queries as all 1,024; 8
+// probes do not. If ingest stored lists with a tile, these are used, and num_lists, num_iterations
+// and seed do not apply.
 struct InvertedListsOptions {
   int num_lists = 1024;    // 1 to 65,536; a tile has at most as many lists as descriptors.
   int num_probes = 12;     // Lists searched, nearest word first; 1 to 65,536.

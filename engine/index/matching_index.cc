@@ -15,24 +15,43 @@ int64_t MatchingIndex::RangeSearch(const DescriptorMatrix& queries, double max_d
   return Search({queries, max_distances}, hits);
 }
 
+bool IsBuiltInListOrder(const IndexOptions& options) {
+  return options.kind == IndexKind::kInvertedLists ||
+         (options.kind == IndexKind::kRandomGrids && options.grids.num_grids == 1);
+}
+
+std::unique_ptr<const MatchingIndex> MakeIndexInListOrder(const Codebook& codebook,
+                                                          std::span<const uint8_t> codes,
+                                                          const IndexOptions& options,
+                                                          TileLists lists) {
+  CAIRN_CHECK(IsBuiltInListOrder(options), "the index is built in list order");
+  if (options.kind == IndexKind::kInvertedLists) {
+    return std::make_unique<InvertedLists>(codebook, codes, options.lists, std::move(lists));
+  }
+  return std::make_unique<RandomGrids>(codebook, codes, options.grids, BuildExtent::kWhole,
+                                       lists.members);
+}
+
 std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
                                                        std::span<const uint8_t> codes,
                                                        const IndexOptions& options, TileLists lists,
                                                        BuildExtent extent) {
+  if (options.kind == IndexKind::kInvertedLists && lists.empty()) {
+    lists = MakeTileLists(codebook, codes, options.lists);
+  }
+  if (IsBuiltInListOrder(options)) {
+    const LargeVector<uint8_t> ordered = OrderCodes(codes, codebook.num_subspaces, lists);
+    return MakeIndexInListOrder(codebook, ordered, options, std::move(lists));
+  }
   switch (options.kind) {
     case IndexKind::kRandomGrids:
       return std::make_unique<RandomGrids>(codebook, codes, options.grids, extent);
-    case IndexKind::kInvertedLists: {
-      if (lists.empty()) {
-        lists = MakeTileLists(codebook, codes, options.lists);
-      }
-      const LargeVector<uint8_t> ordered = OrderCodes(codes, codebook.num_subspaces, lists);
-      return std::make_unique<InvertedLists>(codebook, ordered, options.lists, std::move(lists));
-    }
     case IndexKind::kExhaustive:
       return std::make_unique<ExhaustiveIndex>(codebook, codes);
     case IndexKind::kOther:
       return options.other->Make(codebook, codes);
+    case IndexKind::kInvertedLists:
+      break;
   }
   CAIRN_CHECK(false, "unknown IndexKind");
   return nullptr;

@@ -59,15 +59,28 @@ class MatchingIndex {
 };
 
 // Makes the index of n descriptors (codes: n x codebook.num_subspaces bytes, n < 2^32 - 1). The
-// options must be valid. Inverted lists use `lists` if not empty, which saves building them; other
-// kinds ignore `lists`. Unless the index is built whole, codebook and codes must outlive it. Throws
-// Error(kBadInput) if the codebook has more than 128 dimensions, and Error(kMapDamaged) if it lacks
-// the same-landmark distances that random grids need.
+// options must be valid. `lists` may be those of the tile. Inverted lists use them if not empty,
+// which saves building them; one random grid is built in their order. Unless the index is built
+// whole, codebook and codes must outlive it. Throws Error(kBadInput) if the codebook has more than
+// 128 dimensions, and Error(kMapDamaged) if it lacks the same-landmark distances that random grids
+// need.
 std::unique_ptr<const MatchingIndex> MakeMatchingIndex(const Codebook& codebook,
                                                        std::span<const uint8_t> codes,
                                                        const IndexOptions& options,
                                                        TileLists lists = {},
                                                        BuildExtent extent = BuildExtent::kWhole);
+
+// Returns true for inverted lists and for one random grid. These are built at once, from codes in
+// the order of a tile's lists, and do not need the codes afterwards.
+bool IsBuiltInListOrder(const IndexOptions& options);
+
+// Makes such an index from codes that are in the order of the lists, as tiles store them. The
+// result is that of MakeMatchingIndex with codes in tile order. Throws what MakeMatchingIndex
+// throws.
+std::unique_ptr<const MatchingIndex> MakeIndexInListOrder(const Codebook& codebook,
+                                                          std::span<const uint8_t> codes,
+                                                          const IndexOptions& options,
+                                                          TileLists lists);
 
 }  // namespace cairn
 

@@ -38,6 +38,13 @@ std::vector<CellVisit> SortedByCell(const std::vector<CellVisit>& visits, size_t
   return sorted;
 }
 
+// Replaces each index by the number at that index.
+void ReplaceEach(std::span<const uint32_t> numbers, LargeVector<uint32_t>* indices) {
+  for (uint32_t& index : *indices) {
+    index = numbers[index];
+  }
+}
+
 // Removes hits that an earlier grid has found, too, from the hits starting at `begin`, which are
 // ordered by query.
 void RemoveRepeated(size_t begin, size_t num_descriptors, std::vector<DescriptorHit>* hits) {
@@ -61,7 +68,8 @@ void RemoveRepeated(size_t begin, size_t num_descriptors, std::vector<Descriptor
 }  // namespace
 
 RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
-                         const RandomGridsOptions& options, BuildExtent extent)
+                         const RandomGridsOptions& options, BuildExtent extent,
+                         std::span<const uint32_t> descriptors)
     : codebook_(&codebook),
       codes_(codes),
       words_(codebook, ByteScale(codebook)),
@@ -69,43 +77,50 @@ RandomGrids::RandomGrids(const Codebook& codebook, std::span<const uint8_t> code
       hasher_(codebook, options),
       num_bucket_bits_(NumBucketBits(codes.size() / codebook.num_subspaces)),
       grids_(options.num_grids) {
-  do {
-    RandomGrids::BuildPart();
-  } while (extent == BuildExtent::kWhole && !RandomGrids::is_complete());
+  AddGrid(descriptors);
+  while (extent == BuildExtent::kWhole && !RandomGrids::is_complete()) {
+    AddGrid({});
+  }
 }
 
 void RandomGrids::BuildPart() const {
   const std::lock_guard lock(mutex_);
-  if (is_complete()) {
-    return;
+  if (!is_complete()) {
+    AddGrid({});
   }
+}
+
+void RandomGrids::AddGrid(std::span<const uint32_t> descriptors) const {
   const int grid = num_built();
-  grids_[grid].emplace(MakeGrid(grid));
+  grids_[grid].emplace(MakeGrid(grid, descriptors));
   num_built_.store(grid + 1, std::memory_order_release);
   if (is_complete()) {
     places_ = {};
   }
 }
 
-CellLists RandomGrids::MakeGrid(int grid) const {
+CellLists RandomGrids::MakeGrid(int grid, std::span<const uint32_t> descriptors) const {
   TileLists cells =
       SortIntoBuckets(hasher_.HashCodes(*codebook_, codes_, grid), num_bucket_bits_,
                       options_.max_candidates_per_cell, RandomBits(options_.seed, grid));
-  BlockedRows rows(words_, OrderCodes(codes_, codebook_->num_subspaces, cells));
-  const auto max_compared = static_cast<uint32_t>(options_.max_candidates_per_cell);
-  if (grid == 0) {
+  BlockedRows rows(words_, codes_, cells.members);
+  CellListsOptions options;
+  options.max_compared = static_cast<uint32_t>(options_.max_candidates_per_cell);
+  if (grid > 0) {
+    ReplaceEach(places_, &cells.members);
+    options.order = order();
+    return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells), options);
+  }
+  if (hasher_.num_grids() > 1) {
     places_.resize(cells.members.size());
     for (uint32_t place = 0; place < cells.members.size(); ++place) {
       places_[cells.members[place]] = place;
     }
-    return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells),
-                     {.max_compared = max_compared});
   }
-  for (uint32_t& member : cells.members) {
-    member = places_[member];
+  if (!descriptors.empty()) {
+    ReplaceEach(descriptors, &cells.members);
   }
-  return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells),
-                   {.max_compared = max_compared, .order = RandomGrids::order()});
+  return CellLists(ByteScale(*codebook_), std::move(rows), std::move(cells), options);
 }
 
 std::vector<CellVisit> RandomGrids::MakeVisits(const DescriptorMatrix& queries, int grid) const {
@@ -138,7 +153,9 @@ int64_t RandomGrids::Search(const SearchRequest& request, std::vector<Descriptor
   if (request.receiver == nullptr) {
     const size_t begin = hits->size();
     collector.MoveTo(hits);
-    RemoveRepeated(begin, first.size(), hits);
+    if (num_grids > 1) {
+      RemoveRepeated(begin, first.size(), hits);
+    }
   }
   return num_distances;
 }

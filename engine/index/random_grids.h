@@ -37,8 +37,11 @@ class RandomGrids : public MatchingIndex {
  public:
   // See MakeMatchingIndex. Time and memory are linear in n * num_grids. Throws Error(kMapDamaged)
   // if the codebook lacks the same-landmark distances from which the size of cells follows.
+  // descriptors[i] is the descriptor of row i of `codes`; if empty, row i is descriptor i. Building
+  // takes less time if similar rows are close together, because they fall into the same cells.
   RandomGrids(const Codebook& codebook, std::span<const uint8_t> codes,
-              const RandomGridsOptions& options, BuildExtent extent = BuildExtent::kWhole);
+              const RandomGridsOptions& options, BuildExtent extent = BuildExtent::kWhole,
+              std::span<const uint32_t> descriptors = {});
 
   bool is_complete() const override { return num_built() == hasher_.num_grids(); }
   void BuildPart() const override;
@@ -50,7 +53,9 @@ class RandomGrids : public MatchingIndex {
 
  private:
   int num_built() const { return num_built_.load(std::memory_order_acquire); }
-  CellLists MakeGrid(int grid) const;
+  // Builds the next grid. The first grid takes the constructor's `descriptors`.
+  void AddGrid(std::span<const uint32_t> descriptors) const;
+  CellLists MakeGrid(int grid, std::span<const uint32_t> descriptors) const;
   // Returns the visits of all queries to the buckets of a grid, in memory order.
   std::vector<CellVisit> MakeVisits(const DescriptorMatrix& queries, int grid) const;
 
@@ -63,7 +68,7 @@ class RandomGrids : public MatchingIndex {
   CellHasher hasher_;
   int num_bucket_bits_;
   mutable std::mutex mutex_;  // Held while a grid is built.
-  // The place in order() of each descriptor. Empty once all grids are built.
+  // The place in order() of each row of codes. Empty once all grids are built.
   mutable std::vector<uint32_t> places_;
   // Any thread may read the first num_built_ grids.
   mutable std::vector<std::optional<CellLists>> grids_;

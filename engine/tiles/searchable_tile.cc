@@ -28,11 +28,10 @@ std::unique_ptr<const MatchingIndex> IndexOf(const Tile& tile, const Codebook& c
   return MakeMatchingIndex(codebook, tile.codes, options, std::move(lists), extent);
 }
 
-std::unique_ptr<const InvertedLists> IndexOf(const TilePayload& payload, const Codebook& codebook,
+std::unique_ptr<const MatchingIndex> IndexOf(const TilePayload& payload, const Codebook& codebook,
                                              const IndexOptions& options) {
   RequireCodebook(payload.id(), payload.codebook_id(), payload.code_size(), codebook);
-  return std::make_unique<const InvertedLists>(codebook, payload.codes(), options.lists,
-                                               payload.Lists());
+  return MakeIndexInListOrder(codebook, payload.codes(), options, payload.Lists());
 }
 
 std::unique_ptr<const MatchingIndex> IndexOf(const TilePayload& payload, const Codebook& codebook,
@@ -60,8 +59,8 @@ SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebo
   }
 }
 
-bool SearchableTile::NeedsListsOnly(const IndexOptions& options) {
-  return options.kind == IndexKind::kInvertedLists && options.num_reference_words == 0;
+bool SearchableTile::NeedsCodesAsStored(const IndexOptions& options) {
+  return IsBuiltInListOrder(options) && options.num_reference_words == 0;
 }
 
 SearchableTile::SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
@@ -69,14 +68,13 @@ SearchableTile::SearchableTile(TilePayload payload, std::shared_ptr<const Codebo
     : SearchableTile(std::move(payload), codebook, IndexOf(payload, *codebook, options)) {}
 
 SearchableTile::SearchableTile(TilePayload&& payload, std::shared_ptr<const Codebook> codebook,
-                               std::unique_ptr<const InvertedLists> index)
+                               std::unique_ptr<const MatchingIndex> index)
     : id_(payload.id()),
       num_descriptors_(payload.num_descriptors()),
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(id_.Anchor())),
-      content_(std::move(payload), index->order()) {
-  index_ = std::move(index);
-}
+      index_(std::move(index)),
+      content_(std::move(payload), index_->order()) {}
 
 SearchableTile::SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
                                const IndexOptions& options, LargeVector<uint8_t> codes,
@@ -105,7 +103,7 @@ std::shared_ptr<SearchableTile> MakeFromPayload(LargeVector<uint8_t> payload,
                                                 const IndexOptions& options) {
   if (options.num_reference_words == 0 && TilePayload::IsSearchReady(payload)) {
     TilePayload parts(std::move(payload));
-    if (SearchableTile::NeedsListsOnly(options)) {
+    if (SearchableTile::NeedsCodesAsStored(options)) {
       return std::make_shared<SearchableTile>(std::move(parts), std::move(codebook), options);
     }
     LargeVector<uint8_t> codes = parts.CodesInTileOrder(parts.Lists().members);

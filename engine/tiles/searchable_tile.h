@@ -11,7 +11,6 @@
 
 #include "core/geodesy.h"
 #include "core/large_vector.h"
-#include "engine/index/inverted_lists.h"
 #include "engine/index/matching_index.h"
 #include "engine/index/product_words.h"
 #include "engine/tiles/descriptor_places.h"
@@ -33,9 +32,10 @@ class SearchableTile {
   SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options,
                  TileLists lists = {}, BuildExtent extent = BuildExtent::kWhole);
 
-  // Returns true if these options search a payload by its own lists and need no other part of it.
-  static bool NeedsListsOnly(const IndexOptions& options);
-  // For such options: searches by the payload's lists and decodes the rest when a query needs it.
+  // Returns true if the index for these options is built from a payload's codes and lists alone, as
+  // they are stored.
+  static bool NeedsCodesAsStored(const IndexOptions& options);
+  // For such options: builds the index and decodes the rest of the payload when a query needs it.
   // Throws what the first constructor throws.
   SearchableTile(TilePayload payload, std::shared_ptr<const Codebook> codebook,
                  const IndexOptions& options);
@@ -78,7 +78,7 @@ class SearchableTile {
 
  private:
   SearchableTile(TilePayload&& payload, std::shared_ptr<const Codebook> codebook,
-                 std::unique_ptr<const InvertedLists> index);
+                 std::unique_ptr<const MatchingIndex> index);
 
   TileId id_;
   size_t num_descriptors_;

@@ -67,7 +67,7 @@ const TileContent::Rest& TileContent::DecodeRest() const {
     auto rest = std::make_unique<Rest>();
     rest->loaded = payload_->Covisibility();
     if (codes_.empty()) {
-      codes_ = payload_->CodesInTileOrder(order_);
+      codes_ = payload_->CodesInTileOrder(payload_->Lists().members);
     }
     rest->view.keyframes = rest->loaded.keyframes;
     rest->view.keyframe_begin = rest->loaded.keyframe_begin;

@@ -28,8 +28,8 @@ class TileContent {
   // `order` is the index's (MatchingIndex::order) and must outlive the object. The codes keep their
   // address.
   TileContent(Tile tile, std::span<const uint32_t> order);
-  // `codes` are in tile order and keep their address. If `codes` is empty, `order` must be that of
-  // the payload's lists.
+  // `codes` are in tile order and keep their address. If `codes` is empty, they are decoded with
+  // the rest.
   TileContent(TilePayload payload, std::span<const uint32_t> order,
               LargeVector<uint8_t> codes = {});
 

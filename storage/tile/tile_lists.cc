@@ -25,17 +25,24 @@ void Gather(const uint8_t* rows, Size size, std::span<const uint32_t> members, u
 
 }  // namespace
 
+void GatherRows(std::span<const uint8_t> rows, size_t row_size, std::span<const uint32_t> members,
+                uint8_t* to) {
+  // The default size of codes; a constant lets a copy be a single move.
+  constexpr std::integral_constant<size_t, 8> kUsualSize;
+  if (row_size == kUsualSize) {
+    Gather(rows.data(), kUsualSize, members, to);
+  } else {
+    Gather(rows.data(), row_size, members, to);
+  }
+}
+
 LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
                                 const TileLists& lists) {
   LargeVector<uint8_t> ordered(codes.size());
   if (lists.empty()) {
     std::copy(codes.begin(), codes.end(), ordered.begin());
   }
-  if (code_size == 8) {  // The default size; a constant lets a copy be a single move.
-    Gather(codes.data(), std::integral_constant<size_t, 8>(), lists.members, ordered.data());
-  } else {
-    Gather(codes.data(), code_size, lists.members, ordered.data());
-  }
+  GatherRows(codes, code_size, lists.members, ordered.data());
   return ordered;
 }
 

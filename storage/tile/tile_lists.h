@@ -27,6 +27,10 @@ struct TileLists {
   friend bool operator==(const TileLists&, const TileLists&) = default;
 };
 
+// Copies rows of `row_size` bytes to `to`, in the order of `members`.
+void GatherRows(std::span<const uint8_t> rows, size_t row_size, std::span<const uint32_t> members,
+                uint8_t* to);
+
 // Returns the rows of `code_size` bytes in list order; in the given order if there are no lists.
 LargeVector<uint8_t> OrderCodes(std::span<const uint8_t> codes, size_t code_size,
                                 const TileLists& lists);

@@ -235,6 +235,27 @@ TEST(BlockedRows, OfCodesAreThoseOfTheirBytes) {
   }
 }
 
+// More rows than are expanded at once, some of them twice.
+TEST(BlockedRows, OfCodesTakeAnyOrder) {
+  const Codebook codebook = testing::RandomCodebook();
+  const ByteScale scale(codebook);
+  constexpr size_t kNumRows = 9'000;
+  std::mt19937_64 random(8);
+  std::vector<uint8_t> codes(kNumRows * size_t{8});
+  std::generate(codes.begin(), codes.end(), [&] { return static_cast<uint8_t>(random()); });
+  std::vector<uint32_t> order(kNumRows);
+  std::generate(order.begin(), order.end(),
+                [&] { return static_cast<uint32_t>(random() % kNumRows); });
+  const BlockedRows expected(scale.ExpandCodes(codebook, codes).data(), scale.stride(), order);
+  const BlockedRows blocked(CodeWords(codebook, scale), codes, order);
+  const Scene scene(scale.stride(), 1, 6);
+  const BlockQueries queries(scene.steps, blocked.centers());
+  std::vector<int32_t> distances(blocked.padded_size()), expected_distances(blocked.padded_size());
+  blocked.Scan(queries[0], distances.data());
+  expected.Scan(queries[0], expected_distances.data());
+  EXPECT_EQ(distances, expected_distances);
+}
+
 // Runs that are empty, end within a block, and are longer than what is expanded at once.
 TEST(BlockedRows, OfCodesSumTheirRuns) {
   const Codebook codebook = testing::RandomCodebook();

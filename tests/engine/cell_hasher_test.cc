@@ -34,7 +34,7 @@ TEST(CellHasher, ACodeStandsInTheCellOfItsDecodedDescriptor) {
     const DescriptorMatrix decoded =
         DescriptorCodec(data.codebook).Decode(data.codes.data(), num_codes);
     for (int grid = 0; grid < 3; ++grid) {
-      const std::vector<uint32_t> hashes = hasher.HashCodes(*data.codebook, data.codes, grid);
+      const LargeVector<uint32_t> hashes = hasher.HashCodes(*data.codebook, data.codes, grid);
       int num_equal = 0;
       for (int i = 0; i < num_codes; ++i) {
         const std::vector<uint32_t> probes = ProbesOf(hasher, decoded.row(i).data());

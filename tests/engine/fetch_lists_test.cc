@@ -129,20 +129,39 @@ TEST_F(FetchListsTest, APayloadIsSearchedAsItsTileIs) {
   EXPECT_EQ(from_payload->num_descriptors(), tile_.num_descriptors());
 }
 
-// Its codes are put into the order of the tile first.
 TEST_F(FetchListsTest, APayloadWithAnotherIndexIsSearchedAsItsTileIs) {
   const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
-  for (const IndexOptions& other : {IndexOptions(), testing::OtherIndex()}) {
+  IndexOptions two_grids;
+  two_grids.grids.num_grids = 2;
+  for (const IndexOptions& other : {IndexOptions(), two_grids, testing::OtherIndex()}) {
     options_.kind = other.kind;
     options_.other = other.other;
+    options_.grids.num_grids = other.grids.num_grids;
     const auto from_payload =
         MakeSearchableTile(LargeVector<uint8_t>(bytes.begin(), bytes.end()), codebook_, options_);
     from_payload->Prepare();
     while (!from_payload->index().is_complete()) {
       from_payload->index().BuildPart();
     }
-    ExpectAlike(*from_payload, SearchableTile(tile_, codebook_, options_));
+    ExpectAlike(*from_payload, SearchableTile(tile_, codebook_, options_, lists_));
   }
+}
+
+// The copy of the codes in tile order is made when a query needs it.
+TEST_F(FetchListsTest, OneGridIsBuiltFromTheCodesAsTheyAreStored) {
+  const std::vector<uint8_t> bytes = EncodeTile(tile_, lists_);
+  const auto num_bytes = [&](int num_grids) {
+    options_.kind = IndexKind::kRandomGrids;
+    options_.grids.num_grids = num_grids;
+    const auto searchable =
+        MakeSearchableTile(LargeVector<uint8_t>(bytes.begin(), bytes.end()), codebook_, options_);
+    const size_t all = searchable->MemoryBytes();
+    ExpectContent(*searchable);
+    EXPECT_EQ(searchable->MemoryBytes(), all);
+    return all - searchable->index().MemoryBytes();
+  };
+  EXPECT_TRUE(SearchableTile::NeedsCodesAsStored(IndexOptions()));
+  EXPECT_LT(num_bytes(1), num_bytes(2));
 }
 
 TEST_F(FetchListsTest, ThreadsThatAskTogetherGetOneOfEachPart) {

@@ -33,7 +33,14 @@ class FetchTilesTest : public ::testing::Test {
  protected:
   static constexpr int kNumTiles = 4;
 
-  FetchTilesTest() : store_(MapStore::Create(dir_.File("map.gpkg"))), cache_(1 << 26) {
+  static IndexOptions IndexInTwoParts() {
+    IndexOptions options;
+    options.grids.num_grids = 2;
+    return options;
+  }
+
+  FetchTilesTest()
+      : store_(MapStore::Create(dir_.File("map.gpkg"))), cache_(1 << 26, IndexInTwoParts()) {
     MapUpdate update = store_.BeginUpdate();
     const CodebookId codebook_id = update.AddCodebook(testing::RandomCodebook());
     for (int i = 0; i < kNumTiles; ++i) {

@@ -47,13 +47,16 @@ inline std::vector<IndexUnderTest> EngineIndices() {
                           .cell_width_sigmas = 1000.0,
                           .num_probes = 2,
                           .max_candidates_per_cell = 10'000};
+  IndexUnderTest two_grids = grids;
+  two_grids.name = "two_random_grids";
+  two_grids.options.grids.num_grids = two_grids.complete.grids.num_grids = 2;
   IndexUnderTest lists = {"inverted_lists", {}, {}};
   lists.options.kind = lists.complete.kind = IndexKind::kInvertedLists;
   lists.options.lists.num_lists = lists.complete.lists.num_lists = 64;
   lists.complete.lists.num_probes = 64;
   IndexUnderTest exhaustive = {"exhaustive", {}, {}};
   exhaustive.options.kind = exhaustive.complete.kind = IndexKind::kExhaustive;
-  return {grids, lists, exhaustive};
+  return {grids, two_grids, lists, exhaustive};
 }
 
 }  // namespace cairn::testing

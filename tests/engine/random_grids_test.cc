@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/index/inverted_lists.h"
 #include "engine/index/shared_visits.h"
 #include "engine/real_sift.h"
 #include "engine/synthetic_descriptors.h"
@@ -128,6 +129,21 @@ TEST(RandomGrids, VisitsThatTilesShareChangeNothing) {
     EXPECT_EQ(grids.Search(sharing, &shared), grids.Search(request, &alone));
     EXPECT_FALSE(alone.empty());
     EXPECT_EQ(Sorted(shared), Sorted(alone));
+  }
+}
+
+// As tiles store them.
+TEST(RandomGrids, RowsInTheOrderOfListsChangeNoHit) {
+  const SyntheticDescriptors data = MakeSyntheticDescriptors({});
+  const TileLists lists = MakeTileLists(*data.codebook, data.codes, {.num_lists = 64});
+  const LargeVector<uint8_t> ordered = OrderCodes(data.codes, data.codebook->num_subspaces, lists);
+  for (const int num_grids : {1, 3}) {
+    const RandomGridsOptions options = {.num_grids = num_grids};
+    const RandomGrids grids(*data.codebook, ordered, options, BuildExtent::kWhole, lists.members);
+    std::vector<DescriptorHit> hits;
+    grids.RangeSearch(data.queries, Threshold(data), &hits);
+    EXPECT_FALSE(hits.empty());
+    EXPECT_EQ(Sorted(hits), Sorted(GridHits(data, options)));
   }
 }
 
