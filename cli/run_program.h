@@ -5,12 +5,12 @@
 
 #include <string>
 
-#include "cli/build_info/build_info.h"
+#include "cli/build_info.h"
 #include "cli/shell.h"
 
 namespace cairn {
 
-// What --version tells; cli/build_info/build_info.h.
+// What --version tells; cli/build_info.h.
 struct ProgramBuild {
   std::string version, commit, date, compiler, libraries;
 };

@@ -16,6 +16,7 @@
 
 #include "cli/arguments.h"
 #include "cli/choice_option.h"
+#include "cli/json_output.h"
 #include "cli/row_printer.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -28,6 +29,7 @@ struct SqlArguments {
   std::string map_path;
   std::string query;  // If empty, stdin is read.
   RowFormat format = RowFormat::kTable;
+  bool json = false;  // As the format of that name.
   SqlOptions options;
 };
 
@@ -73,8 +75,8 @@ ExitCode RunSqlCommand(const SqlArguments& arguments) {
     query = ReadStandardInput();
   }
   const LastResort last_resort(arguments.options.timeout_s);
-  const std::unique_ptr<RowPrinter> printer =
-      MakeRowPrinter(arguments.format, isatty(STDOUT_FILENO) == 1);
+  const std::unique_ptr<RowPrinter> printer = MakeRowPrinter(
+      arguments.json ? RowFormat::kJson : arguments.format, isatty(STDOUT_FILENO) == 1);
   SqlSink sink;
   sink.on_columns = [&](const std::vector<std::string>& names) { printer->BeginResult(names); };
   sink.on_row = [&](const std::vector<SqlCell>& row) { printer->AddRow(row); };
@@ -92,8 +94,9 @@ void AddSqlCommand(CLI::App* app, Shell* shell) {
   auto arguments = std::make_shared<SqlArguments>();
   command->add_option("MAP", arguments->map_path, "Map file")->required();
   command->add_option("QUERY", arguments->query, "SQL statements. Default: read from stdin");
-  AddChoiceOption(command, "--format", NamedChoice(&arguments->format, kFormats),
-                  "Output format of the rows");
+  CLI::Option* format = AddChoiceOption(
+      command, "--format", NamedChoice(&arguments->format, kFormats), "Output format of the rows");
+  AddJsonFlag(command, &arguments->json)->excludes(format);
   command
       ->add_option("--timeout", arguments->options.timeout_s,
                    "Time limit of the statements and of their output, seconds")

@@ -17,7 +17,7 @@ else()
     set(date ${CMAKE_MATCH_2})
   endif()
 endif()
-set(text "#include \"cli/build_info/build_info.h\"
+set(text "#include \"cli/build_info.h\"
 
 namespace cairn {
 

@@ -1,6 +1,5 @@
 #include "engine/localizer.h"
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/seconds_since.h"
 #include "core/shared_workers.h"
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"

@@ -2,17 +2,13 @@
 #ifndef CAIRN_ENGINE_STAGE_RUNNER_H_
 #define CAIRN_ENGINE_STAGE_RUNNER_H_
 
-#include <chrono>
 #include <cstddef>
 
+#include "core/seconds_since.h"
 #include "engine/query/localize_result.h"
 #include "engine/query/query_budget.h"
 
 namespace cairn {
-
-inline double SecondsSince(QueryBudget::Clock::time_point start) {
-  return std::chrono::duration<double>(QueryBudget::Clock::now() - start).count();
-}
 
 // Runs stages and adds up their times, until a stage returns a reason why there is no answer, or
 // the deadline passes. A stage may run several times.

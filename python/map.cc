@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/seconds_since.h"
 #include "python/arguments.h"
 #include "python/docs.h"
 #include "python/interruptible.h"
@@ -54,8 +55,7 @@ PythonResult OpenedMap::Answer(const StatedQuery& stated) const {
   FillQuery(stated, sift, descriptor_type, &lent);
   const auto start = std::chrono::steady_clock::now();
   answer.result = localizer.Localize(lent.query);
-  answer.localize_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  answer.localize_seconds = SecondsSince(start);
   answer.decode_seconds = lent.decode_seconds;
   answer.extract_seconds = lent.extract_seconds;
   return answer;

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/images/photo_camera.h"
+#include "core/seconds_since.h"
 #include "http/json/request_photos.h"
 #include "python/arguments.h"
 #include "python/docs.h"
@@ -16,10 +17,6 @@ namespace cairn::python {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Adds to `owners` what the result refers to: the image, which the item may let go of.
 RigInput RigInputOf(const std::string& argument, py::handle value,

@@ -6,16 +6,19 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/arguments.h"
 #include "cli/demo/demo_world.h"
+#include "cli/json_output.h"
 #include "cli/shell.h"
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/images/gray_image.h"
 #include "core/logging.h"
+#include "core/seconds_since.h"
 #include "eval/evaluation.h"
 #include "eval/pictures/pictures.h"
 #include "http/client.h"
@@ -34,6 +37,7 @@ struct DemoArguments {
   std::string output_dir = "demo-output";
   bool quick = false;
   uint64_t seed = 1;
+  bool json = false;
 };
 
 // Answers over HTTP and the round-trip times measured by the client.
@@ -51,8 +55,7 @@ Answers AskAll(const char* phase, const std::vector<EvalQuery>& queries, Progres
       [&](const EvalQuery& query) {
         const auto start = std::chrono::steady_clock::now();
         LocalizeResult result = ask(query);
-        answers.round_trip_seconds.push_back(
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        answers.round_trip_seconds.push_back(SecondsSince(start));
         return result;
       },
       [&](int done, int total) { progress->Update(phase, done, total); });
@@ -95,6 +98,23 @@ void PrintSummary(const char* sent, const EvalReport& report) {
              CountRight(report), report.num_queries, kMaxPositionErrorM, kMaxRotationErrorDeg,
              report.median_position_error_m.value,
              report.median_rotation_error_rad.value * kDegPerRad);
+}
+
+nlohmann::ordered_json SummaryJson(const EvalReport& report) {
+  return {{"queries", report.num_queries},
+          {"right", CountRight(report)},
+          {"medianPositionErrorM", report.median_position_error_m.value},
+          {"medianRotationErrorDeg", report.median_rotation_error_rad.value * kDegPerRad}};
+}
+
+void PrintDemoJson(const DemoWorld& world, const EvalReport& from_images,
+                   const EvalReport& from_features) {
+  PrintJson({{"map", world.map_path},
+             {"photos", world.num_mapping_photos},
+             {"photosInMap", world.num_mapped},
+             {"landmarks", world.ingest.num_landmarks_written},
+             {"sentImages", SummaryJson(from_images)},
+             {"sentFeatures", SummaryJson(from_features)}});
 }
 
 void DrawPictures(const DemoWorld& world, const EvalReport& report,
@@ -157,6 +177,21 @@ std::string ShellWord(const std::string& word) {
   return quoted + "'";
 }
 
+void PrintDemo(const DemoArguments& arguments, const Shell& shell, const DemoWorld& world,
+               const Answers& from_images, const Answers& from_features) {
+  PrintWorld(world);
+  PrintTable(from_images);
+  fmt::print("\n");
+  PrintSummary("sent images:", from_images.report);
+  PrintSummary("sent features:", from_features.report);
+  fmt::print(
+      "\nPictures, photos and the map are in {}/. To ask the map in a browser, run\n"
+      "  {} serve {}\n"
+      "and open http://localhost:8080/ui.\n",
+      arguments.output_dir, ShellWord(ProgramName(shell.program_path)),
+      ShellWord(std::filesystem::absolute(world.map_path).lexically_normal().string()));
+}
+
 ExitCode RunDemo(const DemoArguments& arguments, const Shell& shell) {
   const std::filesystem::path output_dir = arguments.output_dir;
   Answers from_images;
@@ -180,17 +215,11 @@ ExitCode RunDemo(const DemoArguments& arguments, const Shell& shell) {
     server.Stop();
     DrawPictures(world, from_images.report, output_dir);
   }
-  PrintWorld(world);
-  PrintTable(from_images);
-  fmt::print("\n");
-  PrintSummary("sent images:", from_images.report);
-  PrintSummary("sent features:", from_features.report);
-  fmt::print(
-      "\nPictures, photos and the map are in {}/. To ask the map in a browser, run\n"
-      "  {} serve {}\n"
-      "and open http://localhost:8080/ui.\n",
-      arguments.output_dir, ShellWord(ProgramName(shell.program_path)),
-      ShellWord(std::filesystem::absolute(world.map_path).lexically_normal().string()));
+  if (arguments.json) {
+    PrintDemoJson(world, from_images.report, from_features.report);
+  } else {
+    PrintDemo(arguments, shell, world, from_images, from_features);
+  }
   const int num_right = std::min(CountRight(from_images.report), CountRight(from_features.report));
   if (num_right < kMinShareRight * from_images.report.num_queries) {
     throw Error(ErrorCode::kInternal,
@@ -212,6 +241,7 @@ void AddDemoCommand(CLI::App* app, Shell* shell) {
       ->capture_default_str();
   command->add_flag("--quick", arguments->quick, "Use half of the street and half of the photos");
   AddSeedOption(command, &arguments->seed, "Random seed of street, noise and codebook");
+  AddJsonFlag(command, &arguments->json);
   command->footer(
       "Fails if fewer than 80 % of the photos are localized within 0.5 m and 2 degrees.\n"
       "Example:\n"

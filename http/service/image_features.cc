@@ -9,6 +9,7 @@
 #include "core/features/sift/sift_extractor.h"
 #include "core/images/image_header.h"
 #include "core/images/orient_image.h"
+#include "core/seconds_since.h"
 #include "core/wire/problem.h"
 
 namespace cairn {
@@ -20,10 +21,6 @@ struct Picture {
   const Camera& camera;
   std::string pointer;  // "" for the query's own camera, else "/rig/1".
 };
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 [[noreturn]] void RefuseTooLarge(const std::string& message, const Picture& picture) {
   throw HttpError(ProblemCode::kImageTooLarge, message)

@@ -18,6 +18,7 @@
 #include "core/error.h"
 #include "core/large_vector.h"
 #include "core/require.h"
+#include "core/seconds_since.h"
 #include "core/statistics.h"
 #include "engine/index/byte_descriptors.h"
 #include "engine/localizer.h"
@@ -35,9 +36,7 @@ constexpr double kThresholdQuantile = 0.9;
 
 class Stopwatch {
  public:
-  double Seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  double Seconds() const { return SecondsSince(start_); }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/seconds_since.h"
 #include "lab/experiments/text_file.h"
 
 namespace cairn {
@@ -121,7 +122,7 @@ ExperimentResult RunExperiment(const Experiment& experiment, const ExperimentCon
     *figures_drawn = WriteFigure(figure, folder) && *figures_drawn;
     result.figures.push_back(figure.name);
   }
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = SecondsSince(start);
   const std::filesystem::path path(folder);
   WriteTextFile((path / (result.name + ".csv")).string(), result.table.Csv());
   WriteTextFile((path / (result.name + ".json")).string(), ResultAsJson(result));

@@ -65,6 +65,13 @@ TEST_F(JsonResults, OfVerbsThatReadOrCopyAMap) {
   EXPECT_TRUE(merged["comparison"].is_null());
 }
 
+TEST_F(JsonResults, OfSqlIsAnArrayOfRows) {
+  const Json rows = Run({"sql", map_, "SELECT name FROM v_sessions"});
+  EXPECT_EQ(rows, Json::parse(R"([{"name": "monday"}])"));
+  const Finished both = RunCairn({"sql", map_, "SELECT 1", "--json", "--format", "csv"});
+  EXPECT_EQ(both.exit_code, 2);
+}
+
 TEST_F(JsonResults, OfVerbsThatChangeAMap) {
   const Json info = Run({"info", map_});
   const int64_t version = info["version"];

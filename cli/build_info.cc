@@ -1,4 +1,4 @@
-#include "cli/build_info/build_info.h"
+#include "cli/build_info.h"
 
 namespace cairn {
 

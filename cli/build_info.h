@@ -1,7 +1,7 @@
 // What a binary was built from. Only programs link it: whatever links it is linked again after each
 // commit.
-#ifndef CAIRN_CLI_BUILD_INFO_BUILD_INFO_H_
-#define CAIRN_CLI_BUILD_INFO_BUILD_INFO_H_
+#ifndef CAIRN_CLI_BUILD_INFO_H_
+#define CAIRN_CLI_BUILD_INFO_H_
 
 namespace cairn {
 
@@ -13,4 +13,4 @@ const char* BuildLibraries();  // "Ceres 2.1.0, Eigen 3.4.0, ...": those that it
 
 }  // namespace cairn
 
-#endif  // CAIRN_CLI_BUILD_INFO_BUILD_INFO_H_
+#endif  // CAIRN_CLI_BUILD_INFO_H_
