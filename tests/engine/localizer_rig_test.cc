@@ -31,7 +31,7 @@ void KeepEvery(int n, LocalizeQuery* query) {
 
 // A rig of three cameras that see so little that none of them is localized alone.
 LocalizeQuery PoorRigQuery(const StreetWorld& world, const Rigid3d& cam_from_enu) {
-  constexpr int kThinning = 100;
+  constexpr int kThinning = 115;
   LocalizeQuery query = QueryAt(world, cam_from_enu);
   KeepEvery(kThinning, &query);
   for (const double azimuth_rad : {-0.5, 0.9}) {
