@@ -90,7 +90,7 @@ void PrintMappedPhotos(const MappedPhotos& mapped) {
     fmt::print("note             {}\n", note);
   }
   for (const StageCost& stage : mapped.stages) {
-    fmt::print("stage            {:<13} {:>5.1f} s, {:.0f} MB{}\n", stage.name, stage.seconds,
+    fmt::print("stage            {:<14} {:>5.1f} s, {:.0f} MB{}\n", stage.name, stage.seconds,
                stage.peak_megabytes, stage.from_work ? ", from the work folder" : "");
   }
 }

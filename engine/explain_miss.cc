@@ -140,7 +140,7 @@ std::string ExplainMiss(const LocalizeQuery& query, const LocalizeResult& result
                          Tiles(counters.num_tiles_searched), counters.num_matched_keypoints,
                          counters.num_keypoints, SearchHint(query, counters));
     case NotLocalizedReason::kTooFewInliers:
-      return fmt::format("no pose explains enough of the {} matches in {}; {}",
+      return fmt::format("no pose explains enough of the {} matches in {} to be sure; {}",
                          counters.num_matches, Tiles(counters.num_tiles_searched),
                          SearchHint(query, counters));
     case NotLocalizedReason::kAmbiguous:

@@ -24,7 +24,7 @@ enum class FocalSource {
   kCalibration,  // The user gave the intrinsics; they stay.
   kExif,         // Correct within about 5 %.
   kGuess,        // Nobody knows.
-  kPhotos,       // Nobody knew; the two views of the set told it (CalibrateGuesses).
+  kPhotos,       // Nobody knew, or EXIF was wrong: the two views of the set told it.
 };
 
 // The camera of one or more photos.

@@ -35,8 +35,9 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 33;
 
 // How the names of the files begin that a run writes: the stages' results, and the report. People
 // may keep other files in the folder.
-constexpr std::array<std::string_view, 7> kOwnPrefixes = {
-    "photo-", "views-", "focal-", "cameras.", "segments.", "report.svg.", "report.png."};
+constexpr std::array<std::string_view, 9> kOwnPrefixes = {
+    "photo-",     "views-",    "focal-",      "again-",     "cameras.",
+    "corrected.", "segments.", "report.svg.", "report.png."};
 
 bool IsOwnUnfinished(const fs::path& path) {
   const std::string name = path.filename().string();

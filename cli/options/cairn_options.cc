@@ -39,8 +39,8 @@ void DescribeGeoregister(GeoregisterOptions* options, OptionList* list) {
   list->Add("max_median_residual_sigmas", &options->max_median_residual_sigmas,
             "A fit with a larger median residual is refused, in units of the positions' accuracy");
   list->Add("max_median_residual_m", &options->max_median_residual_m,
-            "A fit with a larger median residual is refused, meters; or three times the positions' "
-            "accuracy, if that is more");
+            "A fit with a larger median residual is refused, meters; the default is three times "
+            "the positions' accuracy, if that is more");
 }
 
 void DescribeNoise(PriorNoiseOptions* options, OptionList* list) {

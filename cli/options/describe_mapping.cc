@@ -14,7 +14,7 @@ void DescribePairs(PairOptions* options, OptionList* list) {
             "Nearest descriptors whose photos get a vote");
   list->Add("max_distance_m", &options->max_distance_m,
             "Photos with a position choose photos within this distance, plus the accuracies, "
-            "meters");
+            "meters, and the eight nearest within 500 m");
   list->Add("default_accuracy_m", &options->default_accuracy_m,
             "Accuracy of a position that states none, meters");
 }

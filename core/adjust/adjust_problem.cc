@@ -22,27 +22,35 @@ namespace {
 // images see the same, and large if the images are a chain.
 constexpr double kMaxNeighborsToFactor = 400.0;
 
-// The root mean square, over the images, of the number of others with which they share landmarks.
-double NeighborsOfImages(const Reconstruction& model) {
+// The root mean square, over the images that move, of the number of others that move and with which
+// they share landmarks.
+double NeighborsOfImages(const Reconstruction& model, const std::vector<uint8_t>& is_fixed) {
+  const auto moves = [&](const ReconObservation& seen) {
+    return is_fixed.empty() || is_fixed[seen.image_idx] == 0;
+  };
   std::vector<std::vector<int>> landmarks_of_image(model.images.size());
   for (size_t i = 0; i < model.landmarks.size(); ++i) {
     for (const ReconObservation& seen : model.landmarks[i].observations) {
-      landmarks_of_image[seen.image_idx].push_back(static_cast<int>(i));
+      if (moves(seen)) {
+        landmarks_of_image[seen.image_idx].push_back(static_cast<int>(i));
+      }
     }
   }
   std::vector<int> last_met(model.images.size(), -1);
-  double sum_sq = 0.0;
+  double sum_sq = 0.0, num_moving = 0.0;
   for (int image = 0; image < static_cast<int>(model.images.size()); ++image) {
     double count = 0.0;
+    last_met[image] = image;
     for (const int landmark : landmarks_of_image[image]) {
       for (const ReconObservation& seen : model.landmarks[landmark].observations) {
-        count += last_met[seen.image_idx] != image ? 1.0 : 0.0;
+        count += moves(seen) && last_met[seen.image_idx] != image ? 1.0 : 0.0;
         last_met[seen.image_idx] = image;
       }
     }
     sum_sq += count * count;
+    num_moving += landmarks_of_image[image].empty() ? 0.0 : 1.0;
   }
-  return std::sqrt(sum_sq / static_cast<double>(std::max<size_t>(1, model.images.size())));
+  return std::sqrt(sum_sq / std::max(1.0, num_moving));
 }
 
 }  // namespace
@@ -225,9 +233,10 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
   options.num_threads = 1;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.linear_solver_type = NeighborsOfImages(model_) > kMaxNeighborsToFactor
-                                   ? ceres::ITERATIVE_SCHUR
-                                   : ceres::SPARSE_SCHUR;
+  options.linear_solver_type =
+      NeighborsOfImages(model_, priors_.image_is_fixed) > kMaxNeighborsToFactor
+          ? ceres::ITERATIVE_SCHUR
+          : ceres::SPARSE_SCHUR;
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;

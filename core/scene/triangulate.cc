@@ -49,7 +49,7 @@ std::optional<Eigen::Vector3d> NearestToRays(std::span<const PointObservation> o
 }
 
 // Normal equations of the reprojection errors in units of their sigmas. Returns nothing if the
-// point is not visible in a observation. `robust` applies Cauchy's loss.
+// point is not visible in an observation. `robust` applies Cauchy's loss.
 std::optional<NormalSystem<3>> Linearize(std::span<const PointObservation> observations,
                                          const Eigen::Vector3d& x_in_world, bool robust) {
   constexpr double kSqLossScale = kLossScaleSigmas * kLossScaleSigmas;

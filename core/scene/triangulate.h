@@ -25,7 +25,7 @@ struct PointObservation {
 // growing with the scale of large ones.
 double KeypointSigmaPx(double scale_px);
 
-// The observations of a landmark, in the order of its observations.
+// What TriangulatePoint needs of each observation of a landmark, in their order.
 std::vector<PointObservation> PointObservationsOf(const Reconstruction& reconstruction,
                                                   const ReconLandmark& landmark);
 
@@ -45,7 +45,7 @@ struct PointUncertainty {
   double Sigma() const;
 };
 
-// Returns nothing if the point is not visible in a observation or if the observations do not
+// Returns nothing if the point is not visible in an observation or if the observations do not
 // determine the point.
 std::optional<PointUncertainty> EstimateUncertainty(std::span<const PointObservation> observations,
                                                     const Eigen::Vector3d& x_in_world);

@@ -76,8 +76,8 @@ class CellLists::Prefetcher {
 
   // Call before processing visit i; i increases by 1 each time.
   void Step(size_t i) {
-    if (i == 0 || visits_[i].cell != visits_[i - 1].cell) {
-      num_ahead_ -= std::min(num_ahead_, NumFetched(visits_[i].cell));
+    if (i > 0 && visits_[i].cell != visits_[i - 1].cell) {
+      num_ahead_ -= std::min(num_ahead_, NumFetched(visits_[i - 1].cell));
     }
     while (num_ahead_ < kMaxAhead && next_ < visits_.size()) {
       const uint32_t cell = visits_[next_].cell;

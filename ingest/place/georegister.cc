@@ -191,7 +191,7 @@ void RequireSpreadOfFit(const SimilarityProblem& problem, const Sim3d& enu_from_
     }
   }
   if (static_cast<int>(centers.size()) < kMinPositions) {
-    return;  // The fit is refused for its residuals.
+    return;  // Too few to tell.
   }
   const double count = static_cast<double>(centers.size());
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -268,7 +268,11 @@ void FindFaults(const std::vector<MatchedPosition>& matched, Georegistration* re
 constexpr double kMaxStated = 3.0;
 
 double MaxMedianResidualM(const GeoregisterOptions& options, double stated_accuracy_m) {
-  return std::max(options.max_median_residual_m, kMaxStated * stated_accuracy_m);
+  const double limit_m = options.max_median_residual_m;
+  if (limit_m < GeoregisterOptions{}.max_median_residual_m) {
+    return limit_m;  // Somebody asked for less than the default.
+  }
+  return std::max(limit_m, kMaxStated * stated_accuracy_m);
 }
 
 std::string DescribeLimits(const GeoregisterOptions& options, double stated_accuracy_m) {

@@ -71,7 +71,7 @@ struct GeoregisterOptions {
   // positions along a line leave the roll about the line free, and because GPS heights are poor.
   double upright_sigma_rad = 0.1;
   // A fit is refused if its median residual exceeds one of these limits: in units of the accuracy,
-  // or in meters, unless three times the stated accuracy is more.
+  // or in meters. The default in meters is three times the stated accuracy, if that is more.
   double max_median_residual_sigmas = 3.0;
   double max_median_residual_m = 20.0;
 

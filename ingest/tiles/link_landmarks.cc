@@ -105,7 +105,7 @@ class LinkProposer {
     return cam_from_ecef.rotation * (EcefFromEnu(position).rotation * DownInEnu());
   }
 
-  // Direction, physical size and orientation of a observation, as tiles have them.
+  // Direction, physical size and orientation of an observation, as tiles have them.
   struct Attributes {
     double azimuth_rad = 0.0;
     std::optional<double> log2_size;
@@ -186,7 +186,7 @@ class LinkProposer {
     }
   };
 
-  // Whether another thing observations nearly as similar.
+  // Whether another thing looks nearly as similar.
   bool HasRival(const Candidate& best) const {
     return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
       const float distance_m =

@@ -37,8 +37,13 @@ std::vector<std::pair<int, const TwoView*>> ViewsToJudge(const PhotoSet& set,
       continue;
     }
     const int camera_a = set.photos[view.a].camera_idx, camera_b = set.photos[view.b].camera_idx;
-    views_of_camera[camera_a].push_back(&view);
-    if (camera_b != camera_a) {
+    const auto is_known = [&](int camera) {
+      return set.cameras[camera].source != FocalSource::kGuess;
+    };
+    if (is_known(camera_b)) {
+      views_of_camera[camera_a].push_back(&view);
+    }
+    if (camera_b != camera_a && is_known(camera_a)) {
       views_of_camera[camera_b].push_back(&view);
     }
   }

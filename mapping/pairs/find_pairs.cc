@@ -81,18 +81,23 @@ class Search {
   void Ask(const Poll& poll) {
     std::vector<int> asking = poll.photos, pool = poll.candidates;
     const bool has_panels = pool.size() > static_cast<size_t>(options_.max_panel);
+    bool was_last = false;
     while (!asking.empty() && !pool.empty()) {
       const std::vector<int> panel = TakePanel(options_.max_panel, &pool);
+      was_last = pool.empty();
       const Electorate electorate(voters_, panel, options_);
       ParallelFor(static_cast<int>(asking.size()), options_.num_threads, [&](int i) {
         Choose(electorate, has_panels, asking[i]);
-        if (pool.empty() || IsServed(asking[i])) {
+        if (was_last || IsServed(asking[i])) {
           ReportOneDone();
         }
       });
       const auto is_served = [&](int photo) { return IsServed(photo); };
       std::erase_if(asking, is_served);
       std::erase_if(pool, is_served);
+    }
+    for (size_t i = 0; i < asking.size() && !was_last; ++i) {
+      ReportOneDone();  // Nobody is left whom they could ask.
     }
   }
 

@@ -39,10 +39,10 @@ struct PairOptions {
 //
 // Of a place with more than max_panel photos, a panel from all over it comes into the first index.
 // A photo that looks like enough of the panel chooses among the panel alone. The others go on with
-// a panel of those that are left, until they asked about all. Time is therefore linear in the
-// number of photos if these have positions and spread over ground, and if they show one place many
-// times: about 10 ms a photo and panel. Memory beside the set is 16 kB a photo and an index of one
-// panel. `progress` receives photos done and their number.
+// a panel of those that are left; photos that chose are not asked any more. Time is therefore
+// linear in the number of photos if these have positions and spread over ground, and if they show
+// one place many times: about 10 ms a photo and panel. Memory beside the set is 16 kB a photo and
+// an index of one panel. `progress` receives photos done and their number.
 std::vector<std::pair<int, int>> FindPairs(
     const PhotoSet& set, const PairOptions& options,
     const std::function<void(int done, int total)>& progress = {});

@@ -167,7 +167,6 @@ TEST(EstimatePose, ToleratesGravityOffByThreeSigma) {
   EXPECT_GE(NumRight(options, 20), 18);
 }
 
-// Descriptors of one landmark are nearer to each other than others, as in matching.
 // Returns the share of samples that give a pose to score.
 double ShareOfSamplesWithPoses(const PoseScene& scene) {
   const PoseOptions options;
@@ -195,6 +194,7 @@ TEST(EstimatePose, ScoresFewPosesThatContradictTheirOwnSample) {
   }
 }
 
+// Descriptors of one landmark are nearer to each other than others, as in matching.
 TEST(EstimatePose, DrawsNearMatchesMoreOften) {
   PoseSceneOptions options;
   options.num_keypoints = 500;

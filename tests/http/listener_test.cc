@@ -203,7 +203,7 @@ TEST_F(ListenerUnderAttack, RequestsThatDoNotArriveInTimeAreToldSo) {
 }
 
 TEST_F(ListenerUnderAttack, BytesTooFewToWakeTheLoopCountAtTheDeadline) {
-  options_.connection.body_timeout = milliseconds(500);
+  options_.connection.body_timeout = milliseconds(3000);
   Start();
   const auto client = Connect(
       "POST / HTTP/1.1\r\nHost: h\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");

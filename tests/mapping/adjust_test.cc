@@ -248,7 +248,7 @@ TEST(Adjust, FollowsFixedLandmarks) {
   }
 }
 
-// So many images that share landmarks are adjusted without a factorization.
+// Iterations, which so many images of one place ask for, find the poses as a factorization does.
 TEST(Adjust, FindsManyImagesOfOnePlace) {
   Scene scene = MakeScene(0.3, Pinhole(), 405, 40);
   Reconstruction model = scene.truth;

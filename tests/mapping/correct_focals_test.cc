@@ -26,7 +26,7 @@ std::vector<MappingCamera> Corrected(const testing::FacadeViews& world, int num_
   return CorrectFocals(world.set, world.views, num_threads).value_or(world.set.cameras);
 }
 
-double FactorOf(const PhotoSet& set, const std::vector<MappingCamera>& found, size_t camera) {
+double RelativeFocal(const PhotoSet& set, const std::vector<MappingCamera>& found, size_t camera) {
   return found[camera].camera.focal_px() / set.cameras[camera].camera.focal_px();
 }
 
@@ -35,7 +35,7 @@ TEST(CorrectFocals, FindsTheOnePhotoThatWasCropped) {
   const std::vector<MappingCamera> found = Corrected(world, 1);
   for (size_t i = 0; i < found.size(); ++i) {
     EXPECT_EQ(found[i].source, i == 2 ? FocalSource::kPhotos : FocalSource::kExif) << i;
-    EXPECT_NEAR(FactorOf(world.set, found, i), i == 2 ? 2.0 : 1.0, i == 2 ? 0.4 : 0.0) << i;
+    EXPECT_NEAR(RelativeFocal(world.set, found, i), i == 2 ? 2.0 : 1.0, i == 2 ? 0.4 : 0.0) << i;
   }
 }
 
@@ -46,7 +46,7 @@ TEST(CorrectFocals, FindsThatAllPhotosOfACameraWereEnlarged) {
   }
   const std::vector<MappingCamera> found = Corrected(world, 1);
   EXPECT_EQ(found[0].source, FocalSource::kPhotos);
-  EXPECT_NEAR(FactorOf(world.set, found, 0), 1.0 / 1.6, 0.07);
+  EXPECT_NEAR(RelativeFocal(world.set, found, 0), 1.0 / 1.6, 0.07);
   const std::vector<MappingCamera> again = Corrected(world, 3);
   EXPECT_EQ(found[0].camera.params(), again[0].camera.params());
 }

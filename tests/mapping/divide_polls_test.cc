@@ -87,7 +87,6 @@ TEST(DividePolls, APhotoWithAWrongPositionMeetsThoseThatAreNearest) {
   PhotoSet set = Street(50, 1.0);
   set.photos[20].gps->lon_rad += 1e-4;  // 430 m.
   const Whereabouts whereabouts(set, {});
-  const std::vector<Poll> polls = DividePolls(whereabouts, 50);
   int num_met = 0;
   for (int other = 0; other < 50; ++other) {
     num_met += other != 20 && whereabouts.MayMeet(20, other) ? 1 : 0;

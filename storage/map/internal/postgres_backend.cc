@@ -15,7 +15,6 @@
 #include "storage/map/internal/head_writer.h"
 #include "storage/map/internal/map_file.h"
 #include "storage/map/internal/version_queries.h"
-#include "storage/map/utc_time.h"
 
 namespace cairn {
 namespace {

@@ -1,1 +1,0 @@
-#include "tests/http/connection_test.cc"

@@ -1,1 +1,0 @@
-#include "tests/http/listener_test.cc"
