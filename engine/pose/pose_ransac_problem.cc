@@ -153,32 +153,22 @@ Rigid3d ToRigid(const PoseRansacProblem::Model& cam_from_anchor) {
   return {Eigen::Matrix3d(cam_from_anchor.leftCols<3>()), cam_from_anchor.col(3)};
 }
 
-// Returns false if a camera would see the landmark of a match from where a right match is not seen.
-// Nothing speaks against a size that is unknown.
-//  - The keypoint is kMaxSizeFactor times as large as the landmark's size predicts, or as small.
-//    That costs a match 10 nats of evidence (EvidenceModel::size), more than it can make up for. A
-//    tighter limit loses poses from samples that are nearly right.
-//  - The camera is behind the surface that the mapping camera saw. Its direction of view is taken
-//    to have had the same slope.
-bool IsPlausible(const QueryContext& query, const Correspondence& match,
-                 const Eigen::Vector3d& landmark_to_camera) {
+// Returns false if the keypoint is kMaxSizeFactor times as large as the landmark's size predicts
+// from there, or as small. That costs a match 10 nats of evidence (EvidenceModel::size), more than
+// it can make up for. A tighter limit loses poses from samples that are nearly right. Nothing
+// speaks against a size that is unknown. Poses behind the mapped surface stay: a mirrored session
+// gives itself away by them (CompareWithMap).
+bool HasPlausibleSize(const QueryContext& query, const Correspondence& match, double sq_distance) {
   constexpr double kMaxSizeFactor = 4.0;
-  const double sq_distance = landmark_to_camera.squaredNorm();
   const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
-  if (match.size_m > 0.0f && HasScale(keypoint)) {
-    const double predicted_m =
-        match.size_m * query.CameraOf(match.keypoint_idx).focal_px() / keypoint.scale_px;
-    const double sq_ratio = sq_distance / (predicted_m * predicted_m);
-    constexpr double kMaxSqRatio = kMaxSizeFactor * kMaxSizeFactor;
-    if (sq_ratio > kMaxSqRatio || sq_ratio < 1.0 / kMaxSqRatio) {
-      return false;
-    }
+  if (match.size_m <= 0.0f || !HasScale(keypoint)) {
+    return true;
   }
-  const double horizontal_m = landmark_to_camera.head<2>().norm();
-  const double along_view_m = std::cos(match.azimuth_rad) * landmark_to_camera.x() +
-                              std::sin(match.azimuth_rad) * landmark_to_camera.y();
-  const double sq_slope = landmark_to_camera.z() * landmark_to_camera.z();
-  return along_view_m * horizontal_m + sq_slope >= 0.0;
+  const double predicted_m =
+      match.size_m * query.CameraOf(match.keypoint_idx).focal_px() / keypoint.scale_px;
+  const double sq_ratio = sq_distance / (predicted_m * predicted_m);
+  constexpr double kMaxSqRatio = kMaxSizeFactor * kMaxSizeFactor;
+  return sq_ratio <= kMaxSqRatio && sq_ratio >= 1.0 / kMaxSqRatio;
 }
 
 }  // namespace
@@ -276,14 +266,14 @@ int PoseRansacProblem::SolveSample(const std::array<int, 3>& sample,
   return num_poses;
 }
 
-bool PoseRansacProblem::IsPlausibleFor(const std::array<int, 3>& sample,
-                                       const Model& cam_from_anchor) const {
+bool PoseRansacProblem::HasPlausibleSizes(const std::array<int, 3>& sample,
+                                          const Model& cam_from_anchor) const {
   return std::all_of(sample.begin(), sample.begin() + sample_size(), [&](int index) {
     const RayObservation& observation = observations_[index];
     const Eigen::Vector3d camera_in_anchor = cam_from_anchor.leftCols<3>().transpose() *
                                              (observation.origin_in_cam - cam_from_anchor.col(3));
-    return IsPlausible(query_, correspondences_[order_[index]],
-                       camera_in_anchor - observation.x_in_anchor);
+    return HasPlausibleSize(query_, correspondences_[order_[index]],
+                            (camera_in_anchor - observation.x_in_anchor).squaredNorm());
   });
 }
 
@@ -295,7 +285,7 @@ int PoseRansacProblem::SampleModels(Random* random, std::array<Model, kMaxModels
   const auto end = models->begin() + SolveSample(sample, models);
   return static_cast<int>(
       std::remove_if(models->begin(), end,
-                     [&](const Model& model) { return !IsPlausibleFor(sample, model); }) -
+                     [&](const Model& model) { return !HasPlausibleSizes(sample, model); }) -
       models->begin());
 }
 

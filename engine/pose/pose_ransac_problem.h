@@ -25,8 +25,8 @@ namespace cairn {
 // camera, so cameras with fewer keypoints give no samples.
 //
 // Most samples of wrong matches contradict themselves: the camera would be too near or too far for
-// the sizes of the sample's own keypoints, or would see its landmarks from behind. Such poses are
-// dropped before they are scored, which is what costs most.
+// the sizes of the sample's own keypoints. Such poses are dropped before they are scored, which is
+// what costs most.
 //
 // A two-point pose inherits the error of the measured gravity, so it is scored with thresholds
 // widened by twice gravity_sigma_rad. Local optimization frees all six degrees of freedom and
@@ -57,8 +57,8 @@ class PoseRansacProblem {
   bool DrawSample(Random* random, std::array<int, 3>* sample) const;
   // Returns the number of poses that explain a sample.
   int SolveSample(const std::array<int, 3>& sample, std::array<Model, kMaxModels>* models) const;
-  // Returns true if the sizes and the directions of view of the sample's matches fit the pose.
-  bool IsPlausibleFor(const std::array<int, 3>& sample, const Model& cam_from_anchor) const;
+  // Returns true if the sizes of the sample's keypoints fit the pose.
+  bool HasPlausibleSizes(const std::array<int, 3>& sample, const Model& cam_from_anchor) const;
   std::vector<PoseObservation> LocalInliers(const Model& cam_from_anchor, double extra_sq_rad);
 
   const QueryContext& query_;
