@@ -137,7 +137,6 @@ double MmOfFocalPlaneUnit(double unit) {
 
 // Sensors that photos with these tags have: from the smallest of phones to medium format.
 constexpr double kMinSensorMm = 3.0, kMaxSensorMm = 60.0;
-constexpr double kFilmLongSideMm = 36.0;
 
 // The focal length that the sensor tells: cameras with lenses (Canon's, among others) state the
 // pixels an inch of the sensor for the size that they gave the picture, and no equivalent.

@@ -11,6 +11,9 @@
 
 namespace cairn {
 
+// The long side of a frame of 35 mm film, to which EXIF's equivalent focal length refers.
+inline constexpr double kFilmLongSideMm = 36.0;
+
 struct ExifInfo {
   // Height as in the file. Latitude and longitude 0 are those of a receiver without a fix; they
   // count as no position.

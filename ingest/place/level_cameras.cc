@@ -120,9 +120,8 @@ void RequireOdds(const UpChoice& choice, const GeoregisterOptions& options) {
       ErrorCode::kBadInput,
       fmt::format("georegistration: which way is up is not certain. Most likely, {}; {:.1f} times "
                   "less likely, {} ({:.0f} times would do). The positions lie on a line, or are "
-                  "too rough to tell. Give the folder of the photos, whose EXIF may tell "
-                  "(--photos DIR), or say how the photos lie: --up top, left, right, bottom or "
-                  "down",
+                  "too rough to tell. Photos whose EXIF has an orientation may tell (of a model: "
+                  "--photos DIR), or say how the photos lie: --up top, left, right, bottom or down",
                   WordsFor(MostFrequent(choice.score.shares)), choice.Odds(),
                   WordsFor(MostFrequent(choice.next_score.shares)), options.least_up_odds));
 }

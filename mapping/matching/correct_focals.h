@@ -15,8 +15,8 @@ namespace cairn {
 // kExif, and the two views of the camera's photos agree that its focal length is wrong by two
 // fifths or more, the camera has the one that they tell, the source kPhotos, and the standard
 // deviation found. Programs that crop or enlarge a photo leave the focal length of the whole
-// picture in its EXIF. Each camera is judged while the others keep theirs. Deterministic; the
-// result does not depend on the number of threads.
+// picture in its EXIF. Each camera is judged while the others keep theirs; two views with a camera
+// that is a guess do not count. Deterministic; the result does not depend on the number of threads.
 std::optional<std::vector<MappingCamera>> CorrectFocals(const PhotoSet& set,
                                                         std::span<const TwoView> views,
                                                         int num_threads);
