@@ -10,8 +10,8 @@ namespace {
 
 // A rival that has four fifths of the best pose's evidence, which is what makes an answer
 // ambiguous, has less than half of its consensus among the keypoints of a round by chance: a
-// binomial of 32 with 0.8 is below 16 with a probability of 1e-4.
-constexpr double kMinConsensus = 32.0;
+// binomial of 24 with 0.8 is below 12 with a probability of 2e-4.
+constexpr double kMinConsensus = 24.0;
 
 }  // namespace
 

@@ -48,6 +48,14 @@ TEST(Rounds, EvidenceAndEnoughKeypointsEndThem) {
   EXPECT_FALSE(IsBeyondDoubt(Found({{150.0, 20.0}}), kSure, options));
 }
 
+TEST(Rounds, TwoDozenKeypointsAreEnoughToSeeARival) {
+  const AnswerOptions options;
+  EXPECT_TRUE(IsBeyondDoubt(Found({{250.0, 24.5}}), kSure, options));
+  EXPECT_FALSE(IsBeyondDoubt(Found({{250.0, 23.5}}), kSure, options));
+  // A pose with enough evidence waits for its keypoints alone.
+  EXPECT_LT(NextRound(128, 1000, Found({{250.0, 22.0}}), kSure), 200);
+}
+
 TEST(Rounds, ARivalWithAShareOfTheEvidenceLeavesDoubt) {
   const AnswerOptions options;
   EXPECT_FALSE(IsBeyondDoubt(Found({{200.0, 60.0}, {60.0, 20.0, 20.0}}), kSure, options));
