@@ -84,7 +84,9 @@ std::optional<BoundaryLine> BoundaryLineAt(std::string_view body, size_t begin, 
   if (rest.starts_with("--")) {
     return BoundaryLine{.begin = begin, .end = body.size(), .is_last = true, .line_break = {}};
   }
-  rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
+  while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) {
+    rest.remove_prefix(1);
+  }
   for (const std::string_view line_break : {"\r\n", "\n"}) {
     if (rest.starts_with(line_break)) {
       const size_t end = body.size() - rest.size() + line_break.size();
@@ -98,19 +100,48 @@ std::optional<BoundaryLine> BoundaryLineAt(std::string_view body, size_t begin, 
   return std::nullopt;
 }
 
+bool BeginsLineOfDashes(const char* text) {
+  return text[0] == '\n' && text[1] == '-' && text[2] == '-';
+}
+
+// True if a line that begins within `text` begins with two dashes.
+bool HasLineOfDashes(std::string_view text) {
+  bool is_here = false;
+  for (size_t i = 0; i + 2 < text.size(); ++i) {
+    is_here |= BeginsLineOfDashes(text.data() + i);  // Without a branch, many at once.
+  }
+  return is_here;
+}
+
 // Finds the next boundary at or behind `from` that begins a line, where lines end with
-// `line_break`.
+// `line_break`. A body is split before its request waits for its turn, so this looks at blocks: a
+// search for the boundary would stop at every dash of a body that is nothing but dashes.
 std::optional<BoundaryLine> FindBoundaryLine(std::string_view body, size_t from,
                                              std::string_view dashed_boundary,
                                              std::string_view line_break) {
-  size_t begin = body.find(dashed_boundary, from);
-  while (begin != std::string_view::npos) {
-    if (begin == 0 || body.substr(0, begin).ends_with(line_break)) {
-      if (const auto line = BoundaryLineAt(body, begin, dashed_boundary.size())) {
+  constexpr size_t kBlock = 64;
+  const auto boundary_at = [&](size_t begin) {
+    const bool is_here = body.substr(begin).starts_with(dashed_boundary) &&
+                         (begin == 0 || body.substr(0, begin).ends_with(line_break));
+    return is_here ? BoundaryLineAt(body, begin, dashed_boundary.size()) : std::nullopt;
+  };
+  if (from == 0) {
+    if (const auto line = boundary_at(0)) {
+      return line;
+    }
+  }
+  for (size_t block = std::max<size_t>(from, 1) - 1; block < body.size(); block += kBlock) {
+    if (!HasLineOfDashes(body.substr(block, kBlock + 2))) {
+      continue;
+    }
+    for (size_t at = block; at < block + kBlock && at + 2 < body.size(); ++at) {
+      if (!BeginsLineOfDashes(body.data() + at)) {
+        continue;
+      }
+      if (const auto line = boundary_at(at + 1)) {
         return line;
       }
     }
-    begin = body.find(dashed_boundary, begin + dashed_boundary.size());
   }
   return std::nullopt;
 }

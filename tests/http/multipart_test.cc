@@ -92,6 +92,21 @@ TEST(Multipart, BytesThatLookLikeABoundaryBelongToThePart) {
   EXPECT_EQ(Contents(kType, Part("a", content) + "--XX--"), "a=" + content + ";");
 }
 
+// The search looks at blocks of bytes.
+TEST(Multipart, FindsBoundariesWhereverTheyAre) {
+  for (size_t size = 0; size < 200; ++size) {
+    for (const char* filling : {"-", "\n", "\r\n--", "\r\n--X", "x"}) {
+      std::string content;
+      while (content.size() < size) {
+        content += filling;
+      }
+      const std::string body = Part("a", content) + Part("b", "1") + "--XX--";
+      EXPECT_EQ(Contents(kType, body), "a=" + content + ";b=1;") << size << filling;
+      EXPECT_EQ(Contents(kType, content + "\r\n" + body), "a=" + content + ";b=1;") << size;
+    }
+  }
+}
+
 TEST(Multipart, RefusesBrokenFraming) {
   EXPECT_TRUE(IsRefused("multipart/form-data", Part("a", "b") + "--XX--"));
   EXPECT_TRUE(IsRefused("multipart/form-data; boundary=", Part("a", "b") + "--XX--"));
