@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""Follows the commands of docs/postgresql.md and docs/operations.md from nothing, in namespaces of their own:
-changes of /etc, /usr, /var and /run vanish at the end. All commands are real but apt-get, whose packages must be
-installed, and systemctl, which is systemctl_of_test.py. Needs root. The exit code is 77 if it skips.
+"""Follows the commands of docs/postgresql.md and docs/operations.md from nothing, in namespaces of their own, and
+rotates the access log as docs/http.md says: changes of /etc, /usr, /var and /run vanish at the end. All commands are
+real but apt-get, whose packages must be installed, and systemctl, which is systemctl_of_test.py. Needs root. The exit
+code is 77 if it skips.
 
 Usage: check_pages.py CAIRN_BINARY
 """
 
+import json
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import time
 
 SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -138,6 +141,41 @@ def follow_operations(folder):
         if not re.search(expected, output, re.M):
             sys.exit(f"failed: no {expected} in\n{output}")
     print("docs/operations.md: followed")
+    if has_packages("logrotate"):
+        rotate_access_log(folder)
+    else:
+        print("skipped: logrotate (scripts/install-dependencies --tests)")
+
+
+def logged(path):
+    """The labels and paths of the requests in an access log."""
+    lines = [json.loads(line) for line in pathlib.Path(path).read_text().splitlines()]
+    return {(line["label"], line["path"]) for line in lines}
+
+
+def rotate_access_log(folder):
+    """On the machine of docs/operations.md: logrotate, as docs/http.md configures it, before a second request."""
+    section = (ROOT / "docs" / "http.md").read_text().split("\n## Access log\n", 1)[1]
+    log, rules = re.search(r"^```\n((/\S+) \{\n.*?)^```", section, re.M | re.S).group(2, 1)
+    pathlib.Path("/etc/logrotate.d/cairn").write_text(rules)
+    run(f"sed -i 's|^CAIRN_OPTIONS=.*|& --access-log {log}|' /etc/default/cairn; systemctl restart cairn@8081", folder,
+        "an access log")
+
+    def ask(path):
+        run(f"curl --fail --silent --retry 20 --retry-connrefused http://127.0.0.1:8081{path} "
+            '--header "Authorization: Bearer $(cat phones.key)"', folder, path)
+        for _ in range(500):  # The line is written after the answer.
+            if os.path.exists(log) and ("phones", path) in logged(log):
+                return
+            time.sleep(0.02)
+        sys.exit(f"failed: {path} is not in {log}")
+
+    ask("/version")
+    run("logrotate --force /etc/logrotate.d/cairn", folder, "docs/http.md, logrotate")
+    ask("/geopose")
+    if ("phones", "/version") not in logged(f"{log}.1") or ("phones", "/version") in logged(log):
+        sys.exit("failed: the access log is not rotated")
+    print("docs/http.md: the access log is rotated")
 
 
 def main():

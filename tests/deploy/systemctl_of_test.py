@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """What check_pages.py has instead of systemctl: starts and stops the services of the pages as their units say."""
 
+import fnmatch
 import os
 import pathlib
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -48,6 +50,11 @@ def start(service):
             command.append(re.sub(r"\$\{(\w+)\}", lambda match: environment.get(match[1], ""), word))
     user = settings.get("User")
     home = {"HOME": f"/var/lib/{user}"} if user else {}
+    if logs := settings.get("LogsDirectory"):
+        folder = pathlib.Path("/var/log") / logs
+        folder.mkdir(exist_ok=True)
+        folder.chmod(int(settings["LogsDirectoryMode"], 8))
+        shutil.chown(folder, user, user)
     log = open(f"/run/{service}.log", "w")
     process = subprocess.Popen(command, env=dict(environment, **home), user=user, group=user, stdin=subprocess.DEVNULL,
                                extra_groups=[] if user else None, stdout=log, stderr=log, start_new_session=True)
@@ -63,11 +70,26 @@ def stop(service):
         (PIDS / service).unlink()
 
 
+def reload(service):
+    pid = (PIDS / service).read_text()
+    command = dict(unit_of(service))["ExecReload"].replace("$MAINPID", pid)
+    subprocess.run(shlex.split(command), check=True)
+
+
+def running(pattern):
+    """The services that a pattern names, as systemctl reads it, or the one with this name."""
+    services = sorted(path.name for path in PIDS.glob("*")) if PIDS.exists() else []
+    return [service for service in services if fnmatch.fnmatch(service, pattern)]
+
+
 def main():
     verb, *services = [word for word in sys.argv[1:] if not word.startswith("--")]
     if verb == "show":
         name = next(word.split("=")[1] for word in sys.argv if word.startswith("--property="))
         print(f"{name}={dict(unit_of(services[0]))[name]}")
+    if verb == "reload":
+        for service in [service for pattern in services for service in running(pattern)]:
+            reload(service)
     for service in services:
         if verb in ("stop", "restart"):
             if verb == "stop" or service != "postgresql":
