@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <unordered_set>
 #include <utility>
 
 #include "core/angles.h"
@@ -95,30 +94,30 @@ class Predictor {
   Predictor(const QueryContext& query, int camera_idx, const PoseEstimate& estimate,
             const PoseOptions& options)
       : camera_(query.CameraAt(camera_idx)),
-        own_from_anchor_(query.OwnFromFirst(camera_idx) * estimate.cam_from_anchor),
+        own_from_anchor_((query.OwnFromFirst(camera_idx) * estimate.cam_from_anchor).ToMatrix()),
         center_in_anchor_(estimate.cam_from_anchor.Inverse().translation),
         pose_covariance_(estimate.covariance),
         max_error_px_(options.MaxErrorPx(camera_.focal_px())) {}
 
   // Returns nothing if the landmark is not in view.
   std::optional<Prediction> Predict(const Eigen::Vector3d& x_in_anchor, double sigma_m) const {
-    const Eigen::Vector3d x_in_own = own_from_anchor_ * x_in_anchor;
+    const Eigen::Matrix3d own_from_anchor = own_from_anchor_.leftCols<3>();
+    const Eigen::Vector3d x_in_own = own_from_anchor * x_in_anchor + own_from_anchor_.col(3);
     Eigen::Matrix<double, 2, 3> of_point;
     const auto pixel = camera_.ProjectWithJacobian(x_in_own, &of_point);
     if (!pixel || !camera_.Contains(*pixel)) {
       return std::nullopt;
     }
-    // The camera turns by w about its center and moves by d: the point moves by
-    // v x w - d in the anchor frame, where v leads from the center to the
-    // point.
+    // The camera turns by w about its center and moves by d: the point moves by v x w - d in the
+    // anchor frame, where v leads from the center to the point.
     const Eigen::Vector3d v = x_in_anchor - center_in_anchor_;
-    Eigen::Matrix<double, 3, 6> of_pose;
-    of_pose << 0.0, -v.z(), v.y(), -1.0, 0.0, 0.0,  //
-        v.z(), 0.0, -v.x(), 0.0, -1.0, 0.0,         //
-        -v.y(), v.x(), 0.0, 0.0, 0.0, -1.0;
-    const Eigen::Matrix<double, 2, 6> jacobian =
-        of_point * own_from_anchor_.rotation.toRotationMatrix() * of_pose;
-    const double sq_pose_px = (jacobian * pose_covariance_ * jacobian.transpose()).trace();
+    const Eigen::Matrix<double, 2, 3> of_move = -of_point * own_from_anchor;
+    Eigen::Matrix<double, 2, 6> jacobian;
+    for (int row = 0; row < 2; ++row) {
+      jacobian.row(row).head<3>() = v.cross(of_move.row(row));
+    }
+    jacobian.rightCols<3>() = of_move;
+    const double sq_pose_px = (jacobian * pose_covariance_).cwiseProduct(jacobian).sum();
     const double px_per_m = camera_.focal_px() / x_in_own.norm();
     const double landmark_px = std::min(3.0 * px_per_m * sigma_m, 1.7320508 * max_error_px_);
     return Prediction{
@@ -129,7 +128,7 @@ class Predictor {
 
  private:
   const Camera& camera_;
-  const Rigid3d own_from_anchor_;
+  const Eigen::Matrix<double, 3, 4> own_from_anchor_;
   const Eigen::Vector3d center_in_anchor_;
   const Eigen::Matrix<double, 6, 6> pose_covariance_;
   const double max_error_px_;
@@ -166,15 +165,23 @@ class GuidedSearch {
         tiles_(tiles),
         grid_(query, camera_idx),
         predictor_(query, camera_idx, estimate, options),
-        nearest_(query.num_keypoints()) {}
+        nearest_(query.num_keypoints()),
+        seen_(tiles.size()) {
+    for (const TileView& view : tiles) {
+      anchor_from_tiles_.push_back(view.anchor_from_tile.ToMatrix());
+    }
+  }
 
-  // Compares with the landmarks of a keyframe that were not compared before.
+  // Compares with the landmarks of a keyframe that its tile has not compared before.
   void Add(const KeyframeRef& keyframe) {
     const SearchableTile& tile = *tiles_[keyframe.tile_idx].tile;
+    std::vector<bool>& seen = seen_[keyframe.tile_idx];
+    seen.resize(tile.landmarks().landmark_ids.size());
     const double max_distance = SameLandmarkDistance(tile.codebook(), kMaxDistanceQuantile);
     for (const uint32_t landmark_idx :
          tile.covisibility().LandmarksOfKeyframe(keyframe.keyframe_idx)) {
-      if (seen_.insert(Value(tile.landmarks().landmark_ids[landmark_idx])).second) {
+      if (!seen[landmark_idx]) {
+        seen[landmark_idx] = true;
         AddLandmark(keyframe.tile_idx, landmark_idx,
                     static_cast<float>(max_distance * max_distance));
       }
@@ -192,8 +199,9 @@ class GuidedSearch {
 
  private:
   Eigen::Vector3d InAnchor(int tile_idx, uint32_t landmark_idx) const {
-    const TileView& view = tiles_[tile_idx];
-    return view.anchor_from_tile * view.tile->landmarks().x_in_tile[landmark_idx].cast<double>();
+    const Eigen::Vector3d x_in_tile =
+        tiles_[tile_idx].tile->landmarks().x_in_tile[landmark_idx].cast<double>();
+    return anchor_from_tiles_[tile_idx] * x_in_tile.homogeneous();
   }
 
   void AddLandmark(int tile_idx, uint32_t landmark_idx, float max_sq_distance) {
@@ -254,9 +262,10 @@ class GuidedSearch {
   const std::vector<TileView>& tiles_;
   const KeypointGrid grid_;
   const Predictor predictor_;
-  std::vector<Nearest> nearest_;       // Per keypoint.
-  std::unordered_set<uint64_t> seen_;  // Ids of landmarks.
-  std::vector<int> near_;              // Scratch.
+  std::vector<Eigen::Matrix<double, 3, 4>> anchor_from_tiles_;
+  std::vector<Nearest> nearest_;         // Per keypoint.
+  std::vector<std::vector<bool>> seen_;  // Per tile and landmark; empty before its first keyframe.
+  std::vector<int> near_;                // Scratch.
 };
 
 }  // namespace

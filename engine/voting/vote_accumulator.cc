@@ -128,9 +128,16 @@ int64_t VoteSlice::Vote(const VoteSegments& segments, const std::vector<int>& vo
 void VoteSlice::SmoothAndClear(std::vector<uint16_t>* smoothed) {
   const int num_planes = grid_.size()[2], plane_size = grid_.strides()[2];
   smoothed->resize((grid_.num_cells() + kBlock - 1) / kBlock * kBlock, 0);
-  MovePairsAlongX(counts_.data(), plane_size, lower_.data());
+  const auto clear = [plane_size](std::vector<uint16_t>* plane) {
+    std::fill_n(plane->begin(), plane_size, uint16_t{0});
+  };
+  clear(&lower_);  // The first and the last plane are border, without votes.
   for (int plane = 0; plane + 1 < num_planes; ++plane) {
-    MovePairsAlongX(&counts_[(plane + 1) * plane_size], plane_size, upper_.data());
+    if (plane + 1 < num_planes - 1) {
+      MovePairsAlongX(&counts_[(plane + 1) * plane_size], plane_size, upper_.data());
+    } else {
+      clear(&upper_);
+    }
     SumSquaresAlongYz(lower_.data(), upper_.data(), plane_size, grid_.strides()[1],
                       smoothed->data() + plane * plane_size);
     std::swap(lower_, upper_);
