@@ -60,12 +60,15 @@ ConnectionTable::Entry* ConnectionTable::LongestWaiting() const {
   });
 }
 
-ConnectionTable::Entry* ConnectionTable::HeaviestWaiting() const {
+ConnectionTable::Entry* ConnectionTable::HeaviestWaiting(size_t max_bytes) const {
   const auto now = steady_clock::now();
-  return Foremost([now](const Entry& entry) {
+  Entry* const heaviest = Foremost([now](const Entry& entry) {
     const std::chrono::duration<double> age = now - entry.waiting_since();
     return std::tuple(entry.usage->bytes, static_cast<double>(entry.counted_bytes) * age.count());
   });
+  const bool is_modest =
+      heaviest != nullptr && heaviest->usage->bytes <= max_bytes / (2 * usage_.size());
+  return is_modest && buffered_bytes_ <= 2 * max_bytes ? nullptr : heaviest;
 }
 
 }  // namespace cairn

@@ -49,9 +49,12 @@ class ConnectionTable {
   // The connection to close when there are too many: of the client with the most connections, the
   // one that has waited longest. Null if all are lent.
   Entry* LongestWaiting() const;
-  // The connection to close when too much is in memory: of the client with the most bytes, the one
-  // that has held most bytes for longest. Null if all are lent.
-  Entry* HeaviestWaiting() const;
+  // The connection to close when more than `max_bytes` are in memory: of the client with the most
+  // bytes, the one that has held most bytes for longest. Null if all are lent. Null also if the
+  // client holds at most half of an equal share of `max_bytes`, as long as there are no more than
+  // twice `max_bytes`: those who fill the memory with requests that are lent, which cannot be
+  // closed, must not keep others out.
+  Entry* HeaviestWaiting(size_t max_bytes) const;
 
  private:
   // Among the connections that wait for their clients, the one with the highest rank.

@@ -327,7 +327,7 @@ void EventLoop::BeginClosing() {
 void EventLoop::Account(Entry* entry, size_t bytes) {
   connections_.Count(bytes, entry);
   while (connections_.buffered_bytes() > limits_.max_buffered_bytes &&
-         Drop(connections_.HeaviestWaiting())) {
+         Drop(connections_.HeaviestWaiting(limits_.max_buffered_bytes))) {
     ReportShortage("too many bytes of requests and answers in memory");
   }
 }
