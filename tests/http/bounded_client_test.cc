@@ -207,6 +207,21 @@ TEST(BoundedClient, RefusesCertificatesOfOthersOfOtherHostsAndOld) {
   EXPECT_THAT(AskSecurely(old, dir.File("old.pem")).failure, HasSubstr("expired"));
 }
 
+TEST(BoundedClient, AHandshakeThatDoesNotEndMeetsTheDeadline) {
+  constexpr std::string_view kHalfHello("\x16\x03\x03\x3f\xff\x02\x00\x3f\xfb\x03\x03", 11);
+  constexpr std::string_view kHelloRequest("\x16\x03\x03\x00\x04\x00\x00\x00\x00", 9);
+  for (const std::string_view step : {std::string_view(), kHalfHello, kHelloRequest}) {
+    const HostileServer server([&](Connection* connection) {
+      do {
+        connection->Send(step);
+      } while (!connection->PeerClosesWithin(/*timeout_ms=*/5));
+    });
+    const ClientResponse response = Ask("https" + server.url().substr(4), /*timeout_ms=*/200);
+    EXPECT_EQ(response.status, 0);
+    EXPECT_THAT(response.failure, HasSubstr("200 ms")) << step.size();
+  }
+}
+
 TEST(BoundedClient, APlainServerIsNotTakenForASecureOne) {
   const HostileServer server(
       [](Connection* connection) { connection->Send("HTTP/1.1 200 OK\r\n\r\n"); });
