@@ -146,6 +146,10 @@ void ColmapDatabase::Open() {
     if (error.code() != ErrorCode::kIo) {
       throw;
     }
+    if (RollBack()) {
+      OpenAs(sqlite::Access::kReadOnly);
+      return;
+    }
     // COLMAP leaves its database in WAL mode, in which SQLite writes files beside it even to read.
     for (const char* suffix : {"-wal", "-journal"}) {
       std::error_code missing;
@@ -159,6 +163,21 @@ void ColmapDatabase::Open() {
     }
   }
   OpenAs(sqlite::Access::kImmutable);
+}
+
+bool ColmapDatabase::RollBack() {
+  std::error_code missing;
+  if (!std::filesystem::exists(path_ + "-journal", missing)) {
+    return false;
+  }
+  try {
+    sqlite::Connection writer(path_, sqlite::Access::kReadWrite, kBusyTimeoutMs);
+    writer.Execute("SELECT count(*) FROM sqlite_master");  // SQLite rolls back before it reads.
+  } catch (const Error&) {
+    return false;
+  }
+  LogWarning("{}: the program that wrote it was killed; its last changes are taken back", path_);
+  return true;
 }
 
 void ColmapDatabase::OpenAs(sqlite::Access access) {

@@ -49,6 +49,9 @@ class ColmapDatabase {
 
  private:
   void Open();
+  // Takes back the changes that a killed program left in a journal, as each program does that opens
+  // the database to write. Returns false if there is no journal, or nobody may write here.
+  bool RollBack();
   void OpenAs(sqlite::Access access);
   SiftNormalization NormalizationOfAll();
   DescriptorMatrix ReadDescriptors(const std::string& image_name);

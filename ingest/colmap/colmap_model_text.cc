@@ -55,6 +55,9 @@ class TextFile {
     if (line_.ends_with('\r')) {
       line_.remove_suffix(1);
     }
+    if (line_.find('\r') != line_.npos) {
+      Throw("the lines end with CR alone; make the file anew with line feeds");
+    }
     return true;
   }
 

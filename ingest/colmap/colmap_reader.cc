@@ -125,6 +125,9 @@ ReconImage ReadImage(const ColmapInput& input, const ColmapImage& source,
                    .gps = prior.gps,
                    .gps_accuracy_m = prior.gps_accuracy_m,
                    .down_in_cam = prior.down_in_cam};
+  if (source.pixels.empty()) {  // Writers of poses alone leave the line of keypoints empty.
+    return image;
+  }
   if (image.features.keypoints.size() != source.pixels.size()) {
     ThrowBadModel(
         input,
@@ -213,11 +216,49 @@ std::vector<ReconObservation> ReadTrack(const ColmapInput& input, const ColmapPo
   return observations;
 }
 
+// Gives each keypoint to the first point that it sees.
+class KeypointOwners {
+ public:
+  explicit KeypointOwners(const Reconstruction& reconstruction) {
+    for (const ReconImage& image : reconstruction.images) {
+      is_owned_.emplace_back(image.features.keypoints.size(), false);
+    }
+  }
+
+  // Removes the observations by keypoints of earlier points.
+  void TakeFrom(std::vector<ReconObservation>* observations) {
+    num_taken_ += std::erase_if(*observations, [&](const ReconObservation& observation) {
+      std::vector<bool>& of_image = is_owned_[static_cast<size_t>(observation.image_idx)];
+      const auto keypoint_idx = static_cast<size_t>(observation.keypoint_idx);
+      const bool is_owned = of_image[keypoint_idx];
+      of_image[keypoint_idx] = true;
+      return is_owned;
+    });
+  }
+  size_t num_taken() const { return num_taken_; }
+
+ private:
+  std::vector<std::vector<bool>> is_owned_;  // By image and keypoint.
+  size_t num_taken_ = 0;
+};
+
+// Queries need no points, maps do.
+void SayWithoutPoints(const ColmapInput& input, const ColmapModel& model) {
+  if (model.points.empty()) {
+    LogWarning(
+        "COLMAP model {}: it has poses and no 3D points that images see; a map needs points, which "
+        "`colmap point_triangulator` makes of the photos, the matches and these poses",
+        input.model_dir);
+  }
+}
+
 void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const ImageIndex& index,
                    Reconstruction* reconstruction) {
   const bool restricted = !input.image_names.empty();
+  KeypointOwners owners(*reconstruction);
   for (const ColmapPoint& point : model.points) {
     ReconLandmark landmark{point.x_in_world, ReadTrack(input, point, index, *reconstruction)};
+    owners.TakeFrom(&landmark.observations);
     if (landmark.observations.size() < 2) {
       continue;
     }
@@ -230,14 +271,23 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
     }
     reconstruction->landmarks.push_back(std::move(landmark));
   }
+  if (owners.num_taken() > 0) {
+    LogWarning("{}: {} observations are left out because their keypoints see an earlier point, too",
+               input.model_dir, owners.num_taken());
+  }
 }
 
 // Returns the ids of the model's images, none of which is read yet.
 ImageIndex IndexOf(const ColmapInput& input, const ColmapModel& model) {
   ImageIndex index;
+  std::unordered_map<std::string_view, uint32_t> id_of_name;
   for (const ColmapImage& image : model.images) {
     if (!index.emplace(image.image_id, -1).second) {
       ThrowBadModel(input, fmt::format("image id {} occurs twice", image.image_id));
+    }
+    if (const auto [first, is_new] = id_of_name.emplace(image.name, image.image_id); !is_new) {
+      ThrowBadModel(input, fmt::format("the image {} occurs twice, with the ids {} and {}",
+                                       Excerpt(image.name), first->second, image.image_id));
     }
   }
   return index;
@@ -266,6 +316,7 @@ Reconstruction ReadColmap(const ColmapInput& input_with_folder) {
   input.model_dir = FindColmapModel(input.model_dir);
   ColmapModel model = ReadColmapModel(input.model_dir);
   ImageIndex index = IndexOf(input, model);
+  SayWithoutPoints(input, model);
   ColmapDatabase database(input.database_path);
   if (!input.image_names.empty()) {
     KeepImages(input, &database, &model.images);

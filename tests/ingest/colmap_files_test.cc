@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -237,6 +238,83 @@ TEST_F(ColmapFiles, DatabasesInWalModeAreReadFromFoldersThatCannotBeWritten) {
     EXPECT_THAT(message, HasSubstr("database.db-wal"));
   }
   chmod(dir_.path().c_str(), 0755);
+}
+
+// A program that is killed leaves a journal, and a database with half of its changes.
+TEST_F(ColmapFiles, AJournalOfAKilledProgramIsTakenBack) {
+  const Reconstruction written = StreetReconstruction();
+  ColmapInput input = Write(written);
+  const std::string killed = dir_.File("killed.db");
+  sqlite3* writer = nullptr;
+  ASSERT_EQ(sqlite3_open(input.database_path.c_str(), &writer), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(writer,
+                         "PRAGMA cache_size = 1; BEGIN; UPDATE keypoints SET rows = 0, data = x'';"
+                         "CREATE TABLE filler(bytes); INSERT INTO filler VALUES(zeroblob(400000));",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  std::filesystem::copy_file(input.database_path, killed);
+  std::filesystem::copy_file(input.database_path + "-journal", killed + "-journal");
+  ASSERT_EQ(sqlite3_close(writer), SQLITE_OK);
+  input.database_path = killed;
+  const Reconstruction read = ReadColmap(input);
+  ASSERT_EQ(read.images.size(), written.images.size());
+  EXPECT_EQ(read.images[0].features.keypoints.size(), written.images[0].features.keypoints.size());
+  EXPECT_FALSE(std::filesystem::exists(killed + "-journal"));
+}
+
+TEST_F(ColmapFiles, ImagesOfOneNameAreRefused) {
+  Reconstruction street = StreetReconstruction();
+  const ColmapInput input = Write(street);
+  const std::string name = street.images[0].name;
+  street.images[2].name = name;
+  WriteColmapModel(street, dir_.path().string(), ColmapModelFormat::kBinary);
+  EXPECT_THAT(RefusalOf(input), HasSubstr("the image " + name + " occurs twice, with the ids"));
+}
+
+TEST_F(ColmapFiles, AKeypointSeesOnePoint) {
+  Reconstruction street = StreetReconstruction();
+  const size_t num_landmarks = street.landmarks.size();
+  street.landmarks.push_back(street.landmarks[0]);
+  EXPECT_EQ(ReadColmap(Write(street)).landmarks.size(), num_landmarks);
+}
+
+// Exporters of poses leave the line of keypoints empty.
+TEST_F(ColmapFiles, AnImageWithoutKeypointsHasThoseOfTheDatabase) {
+  const Reconstruction street = StreetReconstruction();
+  const ColmapInput input = Write(street);
+  Reconstruction emptied = street;
+  emptied.images[0].features.keypoints.clear();
+  emptied.images[0].features.descriptors.resize(0, Eigen::NoChange);
+  for (ReconLandmark& landmark : emptied.landmarks) {
+    std::erase_if(landmark.observations, [](const auto& seen) { return seen.image_idx == 0; });
+  }
+  std::erase_if(emptied.landmarks,
+                [](const auto& landmark) { return landmark.observations.size() < 2; });
+  WriteColmapModel(emptied, dir_.path().string(), ColmapModelFormat::kBinary);
+  const Reconstruction read = ReadColmap(input);
+  EXPECT_EQ(read.images[0].features.keypoints.size(), street.images[0].features.keypoints.size());
+  EXPECT_EQ(read.landmarks.size(), emptied.landmarks.size());
+}
+
+// Queries need no points.
+TEST_F(ColmapFiles, PosesWithoutPointsAreReadWithAWord) {
+  Reconstruction street = StreetReconstruction();
+  street.landmarks.clear();
+  ::testing::internal::CaptureStderr();
+  const Reconstruction read = ReadColmap(Write(street));
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(read.images.size(), street.images.size());
+  EXPECT_TRUE(read.landmarks.empty());
+  EXPECT_THAT(log, HasSubstr("point_triangulator"));
+}
+
+TEST_F(ColmapFiles, LinesOfOldMacsAreNoticed) {
+  const ColmapInput input = Write(StreetReconstruction(), /*binary=*/false);
+  Rewrite("images.txt", [](std::string text) {
+    std::replace(text.begin(), text.end(), '\n', '\r');
+    return text;
+  });
+  EXPECT_THAT(RefusalOf(input), HasSubstr("end with CR alone"));
 }
 
 }  // namespace
