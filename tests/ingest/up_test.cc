@@ -83,6 +83,25 @@ TEST(WhichWayIsUp, OrientationsOfPhotosTell) {
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kPhotos}), Each("refused"));
 }
 
+// A phone's walk as people take it: straight ahead, GPS off by 5 m, orientations in the photos.
+// CAIRN_WALKS=1:50 draws 50 walks of each kind.
+TEST(WhichWayIsUp, StraightWalksWithOrientationsAreNotRefused) {
+  uint64_t first_seed = 1, num_walks = 1;
+  if (const char* range = std::getenv("CAIRN_WALKS")) {
+    ASSERT_EQ(std::sscanf(range, "%" SCNu64 ":%" SCNu64, &first_seed, &num_walks), 2);
+  }
+  for (const double pitch_rad : {0.0, -0.3}) {
+    for (const PictureUp up : {PictureUp::kTop, PictureUp::kLeft, PictureUp::kRight}) {
+      WalkOptions walk = {
+          .length_m = 81.0, .gps_sigma_m = 5.0, .pitch_rad = pitch_rad, .held = All(up)};
+      for (walk.seed = first_seed; walk.seed < first_seed + num_walks; ++walk.seed) {
+        EXPECT_THAT(OutcomeOf(walk, {}, ExifOf(walk)), StartsWith("right"))
+            << "pitch " << pitch_rad << ", held " << static_cast<int>(up) << ", seed " << walk.seed;
+      }
+    }
+  }
+}
+
 TEST(WhichWayIsUp, GravityOfThePhotosTells) {
   for (const PictureUp up :
        {PictureUp::kTop, PictureUp::kLeft, PictureUp::kRight, PictureUp::kBottom}) {
