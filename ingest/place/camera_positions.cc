@@ -11,20 +11,37 @@
 #include "ingest/place/position_table.h"
 
 namespace cairn {
+
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m) {
-  PositionTable table(path, {"image", "lat_deg", "lon_deg", "h_m"});
+  PositionTable table(path, {"image", "lat_deg", "lon_deg"});
   std::vector<CameraPosition> positions;
+  int num_empty = 0;
   while (table.NextRow()) {
+    if (!table.Has("lat_deg") && !table.Has("lon_deg")) {
+      ++num_empty;  // A photo without GPS.
+      continue;
+    }
     CameraPosition position;
     position.image_name = table.Text("image");
     position.position = table.Position(position.image_name);
     position.accuracy_m = table.AccuracyOr(default_accuracy_m);
+    position.has_height = table.Has("h_m");
     positions.push_back(std::move(position));
   }
   if (positions.empty()) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: there is no position below the header", path));
+  }
+  if (table.HeightsAreAboveSeaLevel()) {
+    LogWarning(
+        "{}: the heights of GPSAltitude are above sea level if cameras wrote them; --height msl "
+        "says that they are, and --height ellipsoid that they are not",
+        Printable(path));
+  }
+  if (num_empty > 0) {
+    LogInfo("{}: {} of {} rows have no position", Printable(path), num_empty,
+            positions.size() + static_cast<size_t>(num_empty));
   }
   return positions;
 }

@@ -84,6 +84,9 @@ std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
   std::map<std::string, size_t> point_of_name;
   while (table.NextRow()) {
     const std::string& name = table.Text("point");
+    if (!table.Has("h_m")) {
+      table.Throw(fmt::format("column h_m: the point {} has no height", Excerpt(name)));
+    }
     const Geodetic position = table.Position(name);
     const auto [entry, is_new] = point_of_name.emplace(name, points.size());
     if (is_new) {

@@ -24,9 +24,9 @@ struct CameraPosition {
   bool has_height = true;   // If false, `position` has some height near that of the street.
 };
 
-// Reads a CSV (core/csv.h) with a header and the columns image, lat_deg, lon_deg, h_m and
-// optionally accuracy_m, in any order. Throws Error(kBadInput) that names file, line and column,
-// and if there is no position. Rows without an accuracy get the default.
+// Reads a CSV of positions (core/csv.h, position_columns.h): image, lat_deg, lon_deg, h_m,
+// optionally accuracy_m. Leaves out rows without a position. Throws Error(kBadInput) that names
+// file, line and column, and if there is no position. Rows without an accuracy get the default.
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m = 5.0);
 

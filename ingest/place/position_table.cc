@@ -2,12 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/printable.h"
+#include "ingest/place/position_columns.h"
 
 namespace cairn {
 namespace {
@@ -33,16 +38,28 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
   if (!NextRow()) {
     Throw("the header is missing");
   }
-  for (size_t i = 0; i < rows_.cells().size(); ++i) {
-    column_of_name_.emplace(rows_.cells()[i], i);
+  const std::vector<std::string> header = rows_.cells();
+  std::vector<const char*> wanted(required);
+  if (std::find(wanted.begin(), wanted.end(), std::string_view("h_m")) == wanted.end()) {
+    wanted.push_back("h_m");
   }
-  for (const char* name : required) {
-    if (!Has(name)) {
-      Throw(fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m",
-                        name, fmt::join(required, ", ")));
+  for (const char* name : wanted) {
+    const std::optional<size_t> column = FindColumn(header, name);
+    if (!column) {
+      Throw(
+          fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m{}",
+                      name, fmt::join(wanted, ", "),
+                      rows_.Number(header.size() - 1) ? "; this line looks like a position" : ""));
+    }
+    column_of_name_.emplace(name, *column);
+  }
+  for (const char* name : {"accuracy_m", "lat_ref", "lon_ref"}) {
+    if (const std::optional<size_t> column = FindColumn(header, name)) {
+      column_of_name_.emplace(name, *column);
     }
   }
-  num_columns_ = rows_.cells().size();
+  are_above_sea_level_ = IsAboveSeaLevel(header[ColumnOf("h_m")]);
+  num_columns_ = header.size();
 }
 
 bool PositionTable::NextRow() {
@@ -56,6 +73,10 @@ bool PositionTable::NextRow() {
   return true;
 }
 
+bool PositionTable::Has(const char* name) const {
+  return column_of_name_.contains(name) && !Text(name).empty() && Text(name) != "-";
+}
+
 double PositionTable::Number(const char* name) const {
   const std::optional<double> value = rows_.Number(ColumnOf(name));
   if (!value || !std::isfinite(*value)) {
@@ -64,9 +85,31 @@ double PositionTable::Number(const char* name) const {
   return *value;
 }
 
+double PositionTable::Angle(const char* name, const char* ref_name, const char* hemispheres) const {
+  std::optional<double> angle_deg = rows_.Number(ColumnOf(name));
+  if (!angle_deg) {
+    angle_deg = AngleDeg(Text(name), hemispheres);
+  }
+  if (!angle_deg || !std::isfinite(*angle_deg)) {
+    return Number(name);  // Throws.
+  }
+  const bool is_negative =
+      Has(ref_name) &&
+      std::toupper(static_cast<unsigned char>(Text(ref_name)[0])) == hemispheres[1];
+  return is_negative ? -std::abs(*angle_deg) : *angle_deg;
+}
+
+double PositionTable::Height() const {
+  if (!Has("h_m")) {
+    return 0.0;
+  }
+  const std::optional<double> height_m = HeightM(Text("h_m"));
+  return height_m ? *height_m : Number("h_m");
+}
+
 Geodetic PositionTable::Position(const std::string& what) const {
-  const Geodetic position =
-      Geodetic::FromDegrees(Number("lat_deg"), Number("lon_deg"), Number("h_m"));
+  const Geodetic position = Geodetic::FromDegrees(Angle("lat_deg", "lat_ref", "NS"),
+                                                  Angle("lon_deg", "lon_ref", "EW"), Height());
   try {
     ValidateGeodetic(position, Excerpt(what).c_str());
   } catch (const Error& e) {

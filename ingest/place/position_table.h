@@ -11,34 +11,42 @@
 
 namespace cairn {
 
-// One file with a header. Its errors name the file, the line and the column.
+// One file with a header. Its columns may have the names that other programs give them
+// (position_columns.h). Its errors name the file, the line and the column.
 class PositionTable {
  public:
-  // Throws Error(kBadInput) if a column of `required` is missing; the message lists these and
-  // `accuracy_m`, which is optional.
+  // Throws Error(kBadInput) if a column of `required` or h_m is missing; the message lists these
+  // and `accuracy_m`, which is optional.
   PositionTable(const std::string& path, std::initializer_list<const char*> required);
   PositionTable(const PositionTable&) = delete;  // rows_ views text_.
 
   bool NextRow();  // Moves to the next row; false after the last.
 
-  bool Has(const char* name) const { return column_of_name_.contains(name); }
+  // True if the row has something in this column; exiftool writes '-' for nothing.
+  bool Has(const char* name) const;
   const std::string& Text(const char* name) const { return rows_.cells()[ColumnOf(name)]; }
   double Number(const char* name) const;  // Finite.
 
-  // The columns lat_deg, lon_deg and h_m; `what` names the thing that is there.
+  // The columns lat_deg, lon_deg and h_m, with 0 for no height; `what` names the thing that is
+  // there.
   Geodetic Position(const std::string& what) const;
   double AccuracyOr(double default_m) const;  // accuracy_m, which must be positive.
+  // True if the name of the column h_m says so.
+  bool HeightsAreAboveSeaLevel() const { return are_above_sea_level_; }
 
   [[noreturn]] void Throw(const std::string& what) const;
 
  private:
   size_t ColumnOf(const char* name) const { return column_of_name_.find(name)->second; }
+  double Angle(const char* name, const char* ref_name, const char* hemispheres) const;
+  double Height() const;
 
   std::string path_;
   std::string text_;
   CsvReader rows_;
   std::map<std::string, size_t, std::less<>> column_of_name_;
   size_t num_columns_ = 0;
+  bool are_above_sea_level_ = false;
 };
 
 }  // namespace cairn

@@ -1,0 +1,161 @@
+#include "ingest/place/position_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace cairn {
+namespace {
+
+struct ColumnNames {
+  std::string_view name;
+  std::array<std::string_view, 10> others;  // As Simplified writes them, likely ones first.
+};
+
+constexpr ColumnNames kColumnNames[] = {
+    {"image",
+     {"image", "imagename", "sourcefile", "filename", "file", "photo", "photoname", "label",
+      "picture", "name"}},
+    {"lat_deg", {"latdeg", "latitude", "gpslatitude", "lat", "ylatitude", "latitudedeg"}},
+    {"lon_deg",
+     {"londeg", "longitude", "gpslongitude", "lon", "lng", "long", "xlongitude", "longitudedeg"}},
+    {"h_m",
+     {"hm", "height", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "heightm",
+      "altitudem", "altm"}},
+    {"accuracy_m", {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy"}},
+    {"lat_ref", {"gpslatituderef"}},
+    {"lon_ref", {"gpslongituderef"}},
+};
+
+char Lower(char letter) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+}
+
+// The letters and digits of a header's cell, in lower case, without group and units.
+std::string Simplified(std::string_view cell) {
+  cell.remove_prefix(cell.rfind(':') + 1);  // Nothing if there is none: npos + 1 is 0.
+  std::string simplified;
+  for (const char letter : cell.substr(0, cell.find_first_of("([{"))) {
+    if (std::isalnum(static_cast<unsigned char>(letter))) {
+      simplified += Lower(letter);
+    }
+  }
+  return simplified;
+}
+
+// Takes a letter of `hemispheres` off either end of the text; 1 or -1, or 0 without one.
+double TakeHemisphere(std::string_view hemispheres, std::string* text) {
+  for (const double sign : {1.0, -1.0}) {
+    const char letter = hemispheres[sign > 0.0 ? 0 : 1];
+    if (text->empty()) {
+      return 0.0;
+    }
+    if (std::toupper(static_cast<unsigned char>(text->back())) == letter) {
+      text->pop_back();
+      return sign;
+    }
+    if (std::toupper(static_cast<unsigned char>(text->front())) == letter) {
+      text->erase(0, 1);
+      return sign;
+    }
+  }
+  return 0.0;
+}
+
+// Makes blanks of the signs between degrees, minutes and seconds.
+std::string WithoutAngleSigns(std::string text) {
+  for (const std::string_view sign : {"deg", "\u00b0", "\u00ba", "\u2032", "\u2033", "\u2019",
+                                      "\u201d", "d", "m", "s", "'", "\"", ":"}) {
+    for (size_t at = text.find(sign); at != text.npos; at = text.find(sign, at)) {
+      text.replace(at, sign.size(), " ");
+    }
+  }
+  return text;
+}
+
+// The numbers of a text, separated by blanks; empty if the text has anything else.
+std::vector<double> NumbersOf(std::string_view text) {
+  std::vector<double> numbers;
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+    if (text.empty()) {
+      return numbers;
+    }
+    double number = 0.0;
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || !std::isfinite(number)) {
+      return {};
+    }
+    text.remove_prefix(static_cast<size_t>(rest - text.data()));
+    numbers.push_back(number);
+  }
+}
+
+}  // namespace
+
+std::optional<size_t> FindColumn(const std::vector<std::string>& header, std::string_view name) {
+  if (const auto exact = std::find(header.begin(), header.end(), name); exact != header.end()) {
+    return static_cast<size_t>(exact - header.begin());
+  }
+  const auto* const names =
+      std::find_if(std::begin(kColumnNames), std::end(kColumnNames),
+                   [&](const ColumnNames& column) { return column.name == name; });
+  if (names == std::end(kColumnNames)) {
+    return std::nullopt;
+  }
+  for (const std::string_view other : names->others) {
+    for (size_t i = 0; i < header.size() && !other.empty(); ++i) {
+      if (Simplified(header[i]) == other) {
+        return i;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+bool IsAboveSeaLevel(std::string_view column_name) {
+  return Simplified(column_name) == "gpsaltitude";
+}
+
+std::optional<double> AngleDeg(std::string_view text, std::string_view hemispheres) {
+  std::string rest(text);
+  const double hemisphere = TakeHemisphere(hemispheres, &rest);
+  const std::vector<double> numbers = NumbersOf(WithoutAngleSigns(std::move(rest)));
+  if (numbers.empty() || numbers.size() > 3) {
+    return std::nullopt;
+  }
+  double angle_deg = std::abs(numbers[0]);
+  double unit_deg = 1.0;
+  for (size_t i = 1; i < numbers.size(); ++i) {
+    unit_deg /= 60.0;
+    if (std::signbit(numbers[i]) || numbers[i] >= 60.0) {
+      return std::nullopt;
+    }
+    angle_deg += numbers[i] * unit_deg;
+  }
+  const bool is_negative = std::signbit(numbers[0]);
+  if (is_negative && hemisphere != 0.0) {
+    return std::nullopt;
+  }
+  return is_negative || hemisphere < 0.0 ? -angle_deg : angle_deg;
+}
+
+std::optional<double> HeightM(std::string_view text) {
+  double height_m = 0.0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), height_m);
+  if (error != std::errc()) {
+    return std::nullopt;
+  }
+  std::string unit(rest, text.data() + text.size());
+  std::transform(unit.begin(), unit.end(), unit.begin(), Lower);
+  unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
+  if (unit == "mbelowsealevel") {
+    return -height_m;
+  }
+  return unit == "m" || unit == "mabovesealevel" ? std::optional(height_m) : std::nullopt;
+}
+
+}  // namespace cairn

@@ -1,0 +1,130 @@
+#include "ingest/place/position_columns.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "core/error.h"
+#include "ingest/place/georegister.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Optional;
+
+std::vector<CameraPosition> Read(const std::string& text) {
+  const testing::TempDir dir;
+  std::ofstream(dir.File("positions.csv")) << text;
+  return ReadCameraPositions(dir.File("positions.csv"));
+}
+
+std::string RefusalOf(const std::string& text) {
+  try {
+    Read(text);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    return e.what();
+  }
+  return "no error";
+}
+
+void ExpectPosition(const CameraPosition& position, const std::string& name, double lat_deg,
+                    double lon_deg, double h_m) {
+  EXPECT_EQ(position.image_name, name);
+  EXPECT_NEAR(position.position.lat_deg(), lat_deg, 1e-9);
+  EXPECT_NEAR(position.position.lon_deg(), lon_deg, 1e-9);
+  EXPECT_DOUBLE_EQ(position.position.h_m, h_m);
+}
+
+TEST(CameraPositionsOfPrograms, ExiftoolWritesNumbers) {
+  const auto positions = Read(
+      "SourceFile,GPSLatitude,GPSLongitude,GPSAltitude,FocalLength\n"
+      "./01.jpg,55.6981666666667,-13.1953888888889,37.5,4.2\n"
+      "./02.jpg,,,,4.2\n");
+  ASSERT_EQ(positions.size(), 1u);
+  ExpectPosition(positions[0], "./01.jpg", 55.6981666666667, -13.1953888888889, 37.5);
+}
+
+TEST(CameraPositionsOfPrograms, ExiftoolWritesDegreesAndMinutes) {
+  const auto positions = Read(
+      "SourceFile,EXIF:GPSAltitude,GPSLatitude,GPSLongitude\n"
+      "a.jpg,37 m Above Sea Level,\"55 deg 41' 53.40\"\" N\",\"13 deg 11' 43.40\"\" W\"\n"
+      "b.jpg,2.5 m Below Sea Level,\"33 deg 30' 0.00\"\" S\",\"13 deg 30' 0.00\"\" E\"\n");
+  ASSERT_EQ(positions.size(), 2u);
+  ExpectPosition(positions[0], "a.jpg", 55.6981666666667, -(13.0 + 11.0 / 60 + 43.4 / 3600), 37.0);
+  ExpectPosition(positions[1], "b.jpg", -33.5, 13.5, -2.5);
+}
+
+// Unsigned angles of exiftool's group EXIF: the hemisphere has a column of its own.
+TEST(CameraPositionsOfPrograms, HemispheresHaveColumns) {
+  const auto positions = Read(
+      "SourceFile,GPSLatitudeRef,GPSLatitude,GPSLongitudeRef,GPSLongitude,GPSAltitude\n"
+      "a.jpg,South,33.5,W,70.5,570\n"
+      "b.jpg,S,-33.5,E,70.5,570\n");
+  ExpectPosition(positions.at(0), "a.jpg", -33.5, -70.5, 570.0);
+  ExpectPosition(positions.at(1), "b.jpg", -33.5, 70.5, 570.0);
+}
+
+TEST(CameraPositionsOfPrograms, MetashapeAndSpreadsheets) {
+  const auto metashape =
+      Read("#Label,X/Longitude,Y/Latitude,Z/Altitude,Accuracy\nIMG_1.JPG,8.5,47.25,400.5,0.3\n");
+  ExpectPosition(metashape.at(0), "IMG_1.JPG", 47.25, 8.5, 400.5);
+  EXPECT_EQ(metashape[0].accuracy_m, 0.3);
+  const auto spreadsheet =
+      Read("File Name;Latitude [deg];Longitude (deg);Height (m)\r\nIMG_1.JPG;47,25;8,5;400,5\r\n");
+  ExpectPosition(spreadsheet.at(0), "IMG_1.JPG", 47.25, 8.5, 400.5);
+}
+
+TEST(CameraPositionsOfPrograms, OwnNamesComeFirst) {
+  const auto positions = Read("latitude,lat_deg,longitude,lon_deg,name,image,h_m\n1,2,3,4,a,b,5\n");
+  ExpectPosition(positions.at(0), "b", 2.0, 4.0, 5.0);
+}
+
+TEST(CameraPositionsOfPrograms, HeightsMayBeMissing) {
+  const auto positions = Read("image,lat,lon,alt\na,47,8,400\nb,47,8,\nc,47,8,-\n");
+  EXPECT_TRUE(positions.at(0).has_height);
+  EXPECT_FALSE(positions.at(1).has_height);
+  EXPECT_FALSE(positions.at(2).has_height);
+  EXPECT_THAT(RefusalOf("image,lat,lon\na,47,8\n"), HasSubstr("no column 'h_m'"));
+}
+
+TEST(CameraPositionsOfPrograms, EmptyAccuraciesAreNone) {
+  EXPECT_EQ(Read("image,lat,lon,alt,accuracy_m\na,47,8,400,\n").at(0).accuracy_m, 5.0);
+}
+
+TEST(CameraPositionsOfPrograms, HalfAPositionIsRefused) {
+  EXPECT_THAT(RefusalOf("image,lat,lon,alt\na,47,,400\n"), HasSubstr("column lon_deg: ''"));
+}
+
+TEST(CameraPositionsOfPrograms, ARowInPlaceOfTheHeaderIsNoticed) {
+  EXPECT_THAT(RefusalOf("a.jpg,47,8,400\nb.jpg,47,8,400\n"),
+              HasSubstr("this line looks like a position"));
+}
+
+TEST(AngleDeg, ReadsSignsOfAllKinds) {
+  EXPECT_THAT(AngleDeg("55\u00b030'36\"N", "NS"), Optional(55.51));
+  EXPECT_THAT(AngleDeg("S 55\u00b030.6\u2032", "NS"), Optional(-55.51));
+  EXPECT_THAT(AngleDeg("-8:30", "EW"), Optional(-8.5));
+  EXPECT_THAT(AngleDeg("8.5 w", "EW"), Optional(-8.5));
+}
+
+TEST(AngleDeg, RefusesOtherTexts) {
+  for (const char* text : {"", "N", "north", "55 60 N", "55 -1 N", "1 2 3 4", "55x", "5 E", "-5 N",
+                           "nan", "1e999", "55 deg 41' 53.40\" Q"}) {
+    EXPECT_EQ(AngleDeg(text, "NS"), std::nullopt) << text;
+  }
+}
+
+TEST(HeightM, ReadsUnits) {
+  EXPECT_THAT(HeightM("37.5 m Above Sea Level"), Optional(37.5));
+  EXPECT_THAT(HeightM("37.5 m"), Optional(37.5));
+  EXPECT_EQ(HeightM("37.5 ft"), std::nullopt);
+  EXPECT_EQ(HeightM("high"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace cairn
