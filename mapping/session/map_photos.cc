@@ -195,7 +195,9 @@ bool Mapper::LoadCorrectedFocals() {
 // Matches once more if the photos contradict focal lengths of their EXIF.
 std::vector<TwoView> Mapper::MatchAndCorrect() {
   std::vector<TwoView> views = Match("matching", "views", *pairs_);
+  StageClock clock("EXIF check", &result_.stages);
   auto corrected = CorrectFocals(folder_.set, views, input_.num_threads);
+  clock.End(false);
   if (!corrected) {
     return views;
   }
@@ -266,7 +268,10 @@ void Mapper::Place(const Growth& growth) {
 
 void Mapper::PlaceOne(const Segment& segment) {
   const PlacedSegment placed =
-      PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
+      result_.model.images.empty()
+          ? PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust)
+          : PlaceSegmentBeside(result_.georegistration, folder_.set, places_, segment, georegister_,
+                               options_.adjust);
   if (input_.one_segment && !result_.model.images.empty()) {
     LeaveOut(segment,
              "has a place of its own, but a session joins the map as one piece; map these photos "
