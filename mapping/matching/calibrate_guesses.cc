@@ -183,8 +183,8 @@ std::vector<MappingCamera> CalibrateGuesses(const PhotoSet& set, std::span<const
   std::vector<PairVerdict> verdicts(used.size());
   ParallelFor(static_cast<int>(used.size()), num_threads, [&](int i) {
     const TwoView& view = *used[i];
-    verdicts[i] =
-        JudgePair(set, view, IsGuess(CameraOf(set, view.a)), IsGuess(CameraOf(set, view.b)));
+    verdicts[i] = JudgePair(set, set.cameras, view, IsGuess(CameraOf(set, view.a)),
+                            IsGuess(CameraOf(set, view.b)));
   });
   const JointChoice choice(set.cameras, std::move(verdicts));
   const std::vector<int> steps = choice.Best();

@@ -50,8 +50,8 @@ std::vector<FeatureMatch> SomeInliers(const TwoView& view) {
 // Fits a pair under focal lengths, beginning with a pose that is near.
 class PairFitter {
  public:
-  PairFitter(const PhotoSet& set, const TwoView& view)
-      : set_(set), view_(view), matches_(SomeInliers(view)) {}
+  PairFitter(const PhotoSet& set, std::span<const MappingCamera> cameras, const TwoView& view)
+      : set_(set), cameras_(cameras), view_(view), matches_(SomeInliers(view)) {}
 
   struct Fit {
     Rigid3d b_from_a;
@@ -77,10 +77,11 @@ class PairFitter {
  private:
   RaySource SourceOf(int photo, double factor) const {
     const MappingPhoto& source = set_.photos[photo];
-    return {source, WithFocalScaled(set_.cameras[source.camera_idx].camera, factor)};
+    return {source, WithFocalScaled(cameras_[source.camera_idx].camera, factor)};
   }
 
   const PhotoSet& set_;
+  const std::span<const MappingCamera> cameras_;
   const TwoView& view_;
   std::vector<FeatureMatch> matches_;
 };
@@ -91,14 +92,15 @@ double FocalFactorOf(int step) { return std::exp(kLogStep * (step - kOwnFocalSte
 
 // Walks over the grid from the focal lengths under which the view was found, so that each fit
 // begins with the pose of a neighbor.
-PairVerdict JudgePair(const PhotoSet& set, const TwoView& view, bool is_free_a, bool is_free_b) {
+PairVerdict JudgePair(const PhotoSet& set, std::span<const MappingCamera> cameras,
+                      const TwoView& view, bool is_free_a, bool is_free_b) {
   PairVerdict verdict;
   verdict.camera_a = set.photos[view.a].camera_idx;
   verdict.camera_b = set.photos[view.b].camera_idx;
   verdict.is_free_a = is_free_a;
   verdict.is_free_b = is_free_b;
   const bool is_one_camera = verdict.camera_a == verdict.camera_b;
-  const PairFitter fitter(set, view);
+  const PairFitter fitter(set, cameras, view);
   const int num_a = verdict.is_free_a ? kNumFocalSteps : 1;
   const int num_b = verdict.is_free_b && !is_one_camera ? kNumFocalSteps : 1;
   const int first_a = verdict.is_free_a ? StepOf(view.focal_factor_a) : 0;

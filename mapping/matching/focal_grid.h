@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "mapping/matching/two_view.h"
 #include "mapping/photo_set.h"
@@ -35,7 +36,9 @@ struct PairVerdict {
   }
 };
 
-PairVerdict JudgePair(const PhotoSet& set, const TwoView& view, bool is_free_a, bool is_free_b);
+// `cameras` take the place of the set's.
+PairVerdict JudgePair(const PhotoSet& set, std::span<const MappingCamera> cameras,
+                      const TwoView& view, bool is_free_a, bool is_free_b);
 
 struct KnownFocal {
   double factor = 1.0;
