@@ -116,8 +116,8 @@ void FillHeights(const std::optional<double>& default_height_m,
     throw Error(ErrorCode::kBadInput,
                 fmt::format("georegistration: none of the {} positions has a height (0 stands for "
                             "none), so the map would not stand at the height of the street. State "
-                            "the height of the cameras with --camera-height M, or give heights "
-                            "with --georef",
+                            "the height of the cameras with --camera-height M, or give a table of "
+                            "positions with heights",
                             positions->size()));
   }
   const double height_m = default_height_m ? *default_height_m : Median(heights_m);
