@@ -73,6 +73,7 @@ TEST_F(DamagedMap, AMissingPayloadIsTheServersFault) {
   const std::string tile_id =
       MapStore::Open(map_path(), OpenMode::kReadOnly).Snapshot().AllTiles(1)[0].tile_id.ToString();
   httplib::Client client("127.0.0.1", server->port());
+  client.set_read_timeout(60);  // The machine may be busy.
   ExpectMapDamaged(client.Get("/v1/tiles/" + tile_id + "/payload"));
   ExpectMapDamaged(Localize(server.get()));
 }

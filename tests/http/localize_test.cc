@@ -381,6 +381,7 @@ TEST_F(HttpLocalize, TwelveMegapixelsFitIntoARequest) {
 
 TEST_F(HttpLocalize, AGeoPoseMissIsAProblemWithTheReason) {
   httplib::Client http(url());
+  http.set_read_timeout(60);
   const nlohmann::json request = {
       {"type", "geopose"},
       {"sensorReadings",

@@ -271,6 +271,7 @@ TEST_F(HttpServer, NamesTheCellAndIgnoresThatOfTheRequest) {
                            R"("},"prior":{"position":{"lat":47.3769,"lon":8.5417}}})";
   const auto cell_of = [&](const std::string& stated_cell) {
     httplib::Client client("127.0.0.1", port());
+    client.set_read_timeout(60);  // The machine may be busy.
     const httplib::Headers headers{{"X-Cairn-Cell", stated_cell}};
     const auto result = client.Post("/v1/localize", headers, json, "application/json");
     EXPECT_EQ(result->status, 200) << result->body;
@@ -291,6 +292,9 @@ TEST_F(HttpServer, ServesHealthApartWithAnAdminListener) {
   ASSERT_NE(server.port(), server.admin_port());
   httplib::Client main("127.0.0.1", server.port());
   httplib::Client admin("127.0.0.1", server.admin_port());
+  for (httplib::Client* client : {&main, &admin}) {
+    client->set_read_timeout(60);
+  }
   EXPECT_EQ(main.Get("/metrics")->status, 404);
   EXPECT_EQ(main.Get("/version")->status, 200);
   EXPECT_EQ(admin.Get("/version")->status, 404);
