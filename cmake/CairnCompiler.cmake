@@ -27,7 +27,7 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
   set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -DNDEBUG")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # The compiler looks for garbage less often: a tenth less time for a fifth more memory.
+    # The compiler looks for garbage less often: a tenth less time for a quarter more memory.
     add_compile_options(--param=ggc-min-expand=300 --param=ggc-min-heapsize=400000)
   endif()
 endif()

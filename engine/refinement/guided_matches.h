@@ -16,8 +16,8 @@ namespace cairn {
 // keypoints within the threshold of an inlier, widened by twice the standard deviation that the
 // pose's covariance gives its projection. Of the landmarks whose size fits, a keypoint matches the
 // one with the nearest descriptor, up to the 0.95-quantile of the same-landmark distances. A
-// landmark in several tiles counts once. Returns the matches in order of keypoint. They know the
-// area that was searched, so that they count as evidence for no more than they say
+// landmark in several tiles is compared in each of them. Returns the matches in order of keypoint.
+// They know the area that was searched, so that they count as evidence for no more than they say
 // (Correspondence::search_area_sq_px).
 //
 // Needs no index, so it takes a few dozen descriptor distances a landmark, whatever the size of the

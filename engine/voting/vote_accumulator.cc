@@ -9,8 +9,6 @@
 namespace cairn {
 namespace {
 
-constexpr int kBorder = 1;
-
 // pairs[i] = count of cell i + count of cell i + 1. Clears cells 0 ... size - 1.
 CAIRN_VECTOR_CLONES
 void MovePairsAlongX(uint16_t* __restrict counts, int size, uint16_t* __restrict pairs) {

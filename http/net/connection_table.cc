@@ -1,5 +1,6 @@
 #include "http/net/connection_table.h"
 
+#include <algorithm>
 #include <chrono>
 #include <tuple>
 #include <utility>
@@ -66,8 +67,11 @@ ConnectionTable::Entry* ConnectionTable::HeaviestWaiting(size_t max_bytes) const
     const std::chrono::duration<double> age = now - entry.waiting_since();
     return std::tuple(entry.usage->bytes, static_cast<double>(entry.counted_bytes) * age.count());
   });
-  const bool is_modest =
-      heaviest != nullptr && heaviest->usage->bytes <= max_bytes / (2 * usage_.size());
+  size_t most_bytes = 0;
+  for (const auto& [network, usage] : usage_) {
+    most_bytes = std::max(most_bytes, usage.bytes);
+  }
+  const bool is_modest = heaviest != nullptr && heaviest->usage->bytes <= most_bytes / 2;
   return is_modest && buffered_bytes_ <= 2 * max_bytes ? nullptr : heaviest;
 }
 

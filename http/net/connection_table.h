@@ -51,7 +51,7 @@ class ConnectionTable {
   Entry* LongestWaiting() const;
   // The connection to close when more than `max_bytes` are in memory: of the client with the most
   // bytes, the one that has held most bytes for longest. Null if all are lent. Null also if the
-  // client holds at most half of an equal share of `max_bytes`, as long as there are no more than
+  // client holds at most half as much as the heaviest client, as long as there are no more than
   // twice `max_bytes`: those who fill the memory with requests that are lent, which cannot be
   // closed, must not keep others out.
   Entry* HeaviestWaiting(size_t max_bytes) const;

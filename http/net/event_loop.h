@@ -26,7 +26,7 @@ struct LoopLimits {
   int max_connections = 1024;
   // Bytes of requests and responses in memory, summed over all connections. Above the limit, the
   // loop closes connections that wait for their clients. It spares clients that hold at most half
-  // of an equal share of the limit, up to twice the limit.
+  // as much as the heaviest client, up to twice the limit.
   size_t max_buffered_bytes = size_t{256} << 20;
   // After Stop, the time allowed for partly received requests and for responses.
   std::chrono::milliseconds stop_timeout{5000};

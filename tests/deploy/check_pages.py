@@ -172,6 +172,10 @@ def rotate_access_log(folder):
 
     ask("/version")
     run("logrotate --force /etc/logrotate.d/cairn", folder, "docs/http.md, logrotate")
+    for _ in range(500):  # The server opens the file again some time after SIGHUP.
+        if os.path.exists(log):
+            break
+        time.sleep(0.02)
     ask("/geopose")
     if ("phones", "/version") not in logged(f"{log}.1") or ("phones", "/version") in logged(log):
         sys.exit("failed: the access log is not rotated")

@@ -283,6 +283,26 @@ TEST_F(ListenerUnderAttack, BytesInMemoryAreBounded) {
   EXPECT_THAT(good->ReadResponse(), StartsWith("HTTP/1.1 200"));
 }
 
+// Requests that are being answered cannot give way.
+TEST_F(ListenerUnderAttack, AClientWhoseRequestsFillTheMemoryKeepsNobodyOut) {
+  constexpr size_t kHeldBytes = size_t{128} << 10, kGoodBytes = size_t{300} << 10;
+  constexpr int kMaxHeld = 32;
+  options_.loop.max_buffered_bytes = kMaxHeld * kHeldBytes;
+  options_.num_threads = kMaxHeld + 1;
+  Start();
+  const std::string held =
+      "POST /hold HTTP/1.1\r\nHost: h\r\nContent-Length: " + std::to_string(kHeldBytes) +
+      "\r\n\r\n" + std::string(kHeldBytes, 'x');
+  const Clients attackers = ConnectMany(2 * kMaxHeld, held, {.source = kOtherClient});
+  const auto end = std::chrono::steady_clock::now() + seconds(120);
+  while (NumWaiting(attackers) > handler_.num_handled && std::chrono::steady_clock::now() < end) {
+    std::this_thread::yield();
+  }
+  ASSERT_LT(NumWaiting(attackers), 2 * kMaxHeld) << "the memory is not full";
+  const auto good = Connect(Post(kGoodBytes) + std::string(kGoodBytes, 'x'));
+  EXPECT_THAT(good->ReadResponse(), StartsWith("HTTP/1.1 200"));
+}
+
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kSanitizerNeedsFiles = true;  // UBSan opens a pipe to look at a virtual table.
 #else
@@ -304,26 +324,6 @@ class NoMoreFiles {
  private:
   rlimit before_{};
 };
-
-// Requests that are being answered cannot give way.
-TEST_F(ListenerUnderAttack, AClientWhoseRequestsFillTheMemoryKeepsNobodyOut) {
-  constexpr size_t kHeldBytes = size_t{128} << 10, kGoodBytes = size_t{300} << 10;
-  constexpr int kMaxHeld = 32;
-  options_.loop.max_buffered_bytes = kMaxHeld * kHeldBytes;
-  options_.num_threads = kMaxHeld + 1;
-  Start();
-  const std::string held =
-      "POST /hold HTTP/1.1\r\nHost: h\r\nContent-Length: " + std::to_string(kHeldBytes) +
-      "\r\n\r\n" + std::string(kHeldBytes, 'x');
-  const Clients attackers = ConnectMany(2 * kMaxHeld, held, {.source = kOtherClient});
-  const auto end = std::chrono::steady_clock::now() + seconds(120);
-  while (NumWaiting(attackers) > handler_.num_handled && std::chrono::steady_clock::now() < end) {
-    std::this_thread::yield();
-  }
-  ASSERT_LT(NumWaiting(attackers), 2 * kMaxHeld) << "the memory is not full";
-  const auto good = Connect(Post(kGoodBytes) + std::string(kGoodBytes, 'x'));
-  EXPECT_THAT(good->ReadResponse(), StartsWith("HTTP/1.1 200"));
-}
 
 TEST_F(ListenerUnderAttack, WithoutFreeDescriptorsAnIdleConnectionGivesWay) {
   if (kSanitizerNeedsFiles) {
