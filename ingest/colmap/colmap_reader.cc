@@ -258,7 +258,9 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
   KeypointOwners owners(*reconstruction);
   for (const ColmapPoint& point : model.points) {
     ReconLandmark landmark{point.x_in_world, ReadTrack(input, point, index, *reconstruction)};
-    owners.TakeFrom(&landmark.observations);
+    if (landmark.observations.size() >= 2) {
+      owners.TakeFrom(&landmark.observations);
+    }
     if (landmark.observations.size() < 2) {
       continue;
     }

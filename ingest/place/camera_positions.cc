@@ -17,6 +17,7 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
   PositionTable table(path, {"image", "lat_deg", "lon_deg"});
   std::vector<CameraPosition> positions;
   int num_empty = 0;
+  bool has_height = false;
   while (table.NextRow()) {
     if (!table.Has("lat_deg") && !table.Has("lon_deg")) {
       ++num_empty;  // A photo without GPS.
@@ -27,13 +28,14 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
     position.position = table.Position(position.image_name);
     position.accuracy_m = table.AccuracyOr(default_accuracy_m);
     position.has_height = table.Has("h_m");
+    has_height = has_height || position.has_height;
     positions.push_back(std::move(position));
   }
   if (positions.empty()) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: there is no position below the header", path));
   }
-  if (table.HeightsAreAboveSeaLevel()) {
+  if (has_height && table.HeightsAreAboveSeaLevel()) {
     LogWarning(
         "{}: the heights of GPSAltitude are above sea level if cameras wrote them; --height msl "
         "says that they are, and --height ellipsoid that they are not",

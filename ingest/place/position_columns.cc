@@ -23,27 +23,53 @@ constexpr ColumnNames kColumnNames[] = {
     {"lon_deg",
      {"londeg", "longitude", "gpslongitude", "lon", "lng", "long", "xlongitude", "longitudedeg"}},
     {"h_m",
-     {"hm", "height", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "heightm",
-      "altitudem", "altm"}},
+     {"hm", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm",
+      "heightm", "height"}},
     {"accuracy_m", {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy"}},
     {"lat_ref", {"gpslatituderef"}},
     {"lon_ref", {"gpslongituderef"}},
+    {"h_ref", {"gpsaltituderef"}},
 };
+
+// In brackets behind a name: what the column has anyway.
+constexpr std::string_view kUnits[] = {"",       "m",           "meter",     "meters",  "metre",
+                                       "metres", "deg",         "degree",    "degrees", "n",
+                                       "e",      "ellipsoidal", "ellipsoid", "wgs84",   "dd"};
 
 char Lower(char letter) {
   return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
 }
 
-// The letters and digits of a header's cell, in lower case, without group and units.
-std::string Simplified(std::string_view cell) {
-  cell.remove_prefix(cell.rfind(':') + 1);  // Nothing if there is none: npos + 1 is 0.
-  std::string simplified;
-  for (const char letter : cell.substr(0, cell.find_first_of("([{"))) {
+std::string LettersAndDigits(std::string_view text) {
+  std::string kept;
+  for (const char letter : text) {
     if (std::isalnum(static_cast<unsigned char>(letter))) {
-      simplified += Lower(letter);
+      kept += Lower(letter);
     }
   }
-  return simplified;
+  return kept;
+}
+
+// The letters and digits of a header's cell, in lower case, without group and units. Empty if the
+// units are others, such as feet.
+std::string Simplified(std::string_view cell) {
+  cell.remove_prefix(cell.rfind(':') + 1);  // Nothing if there is none: npos + 1 is 0.
+  const size_t bracket = std::min(cell.find_first_of("([{"), cell.size());
+  const std::string unit = LettersAndDigits(cell.substr(bracket));
+  const bool is_known = std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits);
+  return is_known ? LettersAndDigits(cell.substr(0, bracket)) : std::string();
+}
+
+// Of exiftool's groups, Composite has the signs of south and west.
+bool IsComposite(std::string_view cell) {
+  return LettersAndDigits(cell.substr(0, cell.rfind(':') + 1)) == "composite";
+}
+
+// A table of pictures' widths and heights in pixels.
+bool HasWidths(const std::vector<std::string>& header) {
+  return std::any_of(header.begin(), header.end(), [](const std::string& cell) {
+    return LettersAndDigits(cell).find("width") != std::string::npos;
+  });
 }
 
 // Takes a letter of `hemispheres` off either end of the text; 1 or -1, or 0 without one.
@@ -53,7 +79,8 @@ double TakeHemisphere(std::string_view hemispheres, std::string* text) {
     if (text->empty()) {
       return 0.0;
     }
-    if (std::toupper(static_cast<unsigned char>(text->back())) == letter) {
+    // A small s at the end is the sign of seconds.
+    if (text->back() != 's' && std::toupper(static_cast<unsigned char>(text->back())) == letter) {
       text->pop_back();
       return sign;
     }
@@ -90,6 +117,9 @@ std::vector<double> NumbersOf(std::string_view text) {
       return {};
     }
     text.remove_prefix(static_cast<size_t>(rest - text.data()));
+    if (!text.empty() && text.front() != ' ' && text.front() != '\t') {
+      return {};  // Two decimal marks are those of another language.
+    }
     numbers.push_back(number);
   }
 }
@@ -106,11 +136,16 @@ std::optional<size_t> FindColumn(const std::vector<std::string>& header, std::st
   if (names == std::end(kColumnNames)) {
     return std::nullopt;
   }
+  const bool has_widths = name == "h_m" && HasWidths(header);
   for (const std::string_view other : names->others) {
+    std::optional<size_t> column;
     for (size_t i = 0; i < header.size() && !other.empty(); ++i) {
-      if (Simplified(header[i]) == other) {
-        return i;
+      if (Simplified(header[i]) == other && (!column || IsComposite(header[i]))) {
+        column = i;
       }
+    }
+    if (column && !(has_widths && other == "height")) {
+      return column;
     }
   }
   return std::nullopt;
@@ -121,17 +156,25 @@ bool IsAboveSeaLevel(std::string_view column_name) {
 }
 
 std::optional<double> AngleDeg(std::string_view text, std::string_view hemispheres) {
+  constexpr size_t kMaxAngleBytes = 100;
+  if (text.size() > kMaxAngleBytes) {
+    return std::nullopt;
+  }
   std::string rest(text);
   const double hemisphere = TakeHemisphere(hemispheres, &rest);
   const std::vector<double> numbers = NumbersOf(WithoutAngleSigns(std::move(rest)));
   if (numbers.empty() || numbers.size() > 3) {
     return std::nullopt;
   }
+  if (hemisphere == 0.0 && hemispheres[1] == 'S' && text.ends_with('s') && numbers.size() != 3) {
+    return std::nullopt;  // South, or seconds.
+  }
   double angle_deg = std::abs(numbers[0]);
   double unit_deg = 1.0;
   for (size_t i = 1; i < numbers.size(); ++i) {
     unit_deg /= 60.0;
-    if (std::signbit(numbers[i]) || numbers[i] >= 60.0) {
+    if (numbers[i - 1] != std::trunc(numbers[i - 1]) || std::signbit(numbers[i]) ||
+        numbers[i] >= 60.0) {
       return std::nullopt;
     }
     angle_deg += numbers[i] * unit_deg;

@@ -13,18 +13,21 @@ namespace cairn {
 
 // Returns the column of a header that `name` means: the one of that name, else the first one whose
 // name other programs use for it, as exiftool does (SourceFile, GPSLatitude), Metashape (#Label,
-// Y/Latitude) and spreadsheets ("Latitude [deg]"). Case, blanks, signs, units in brackets and
-// exiftool's groups ("EXIF:") do not count. Only image, lat_deg, lon_deg, h_m, accuracy_m, lat_ref
-// and lon_ref have other names.
+// Y/Latitude) and spreadsheets ("Latitude [deg]"). Case, blanks, signs, meters and degrees in
+// brackets and exiftool's groups ("EXIF:") do not count; its group Composite, which has signs,
+// comes first. A column with another unit has none of these names, and heights beside widths are
+// those of pictures. Only image, lat_deg, lon_deg, h_m, accuracy_m, lat_ref, lon_ref and h_ref have
+// other names.
 std::optional<size_t> FindColumn(const std::vector<std::string>& header, std::string_view name);
 
 // True if a column of this name holds heights above mean sea level: EXIF's GPSAltitude.
 bool IsAboveSeaLevel(std::string_view column_name);
 
 // The angle of a text that is no plain number: degrees, or degrees and minutes, or degrees, minutes
-// and seconds, with a sign or one letter of `hemispheres` before or behind them: "NS" or "EW", the
+// and seconds, with a minus or one letter of `hemispheres` before or behind them: "NS" or "EW", the
 // positive one first. Between the numbers stand blanks, colons, the signs ° ' " ′ ″ or deg, d, m,
-// s. Nothing for other texts, and for minutes and seconds that are not in [0, 60).
+// s; a small s at the end stands for seconds. Nothing for other texts, for minutes and seconds that
+// are not in [0, 60), and if a fraction stands before another number.
 std::optional<double> AngleDeg(std::string_view text, std::string_view hemispheres);
 
 // The height of a text such as exiftool's "37.2 m Above Sea Level"; meters, negative if it says

@@ -29,11 +29,23 @@ auto WithTablePath(const std::string& path, const Read& read) {
   }
 }
 
+// Empties the lines before the header that begin with "# ": Metashape states its coordinate system
+// there. Lines keep their numbers.
+std::string WithoutComments(std::string text) {
+  for (size_t begin = 0; text.compare(begin, 2, "# ") == 0; ++begin) {
+    text.erase(begin, std::min(text.find('\n', begin), text.size()) - begin);
+    if (begin == text.size()) {
+      break;
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 PositionTable::PositionTable(const std::string& path, std::initializer_list<const char*> required)
     : path_(path),
-      text_(ReadTextFile(path, kMaxTableBytes)),
+      text_(WithoutComments(ReadTextFile(path, kMaxTableBytes))),
       rows_(WithTablePath(path, [&] { return CsvReader(text_); })) {
   if (!NextRow()) {
     Throw("the header is missing");
@@ -53,7 +65,7 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
     }
     column_of_name_.emplace(name, *column);
   }
-  for (const char* name : {"accuracy_m", "lat_ref", "lon_ref"}) {
+  for (const char* name : {"accuracy_m", "lat_ref", "lon_ref", "h_ref"}) {
     if (const std::optional<size_t> column = FindColumn(header, name)) {
       column_of_name_.emplace(name, *column);
     }
@@ -74,7 +86,11 @@ bool PositionTable::NextRow() {
 }
 
 bool PositionTable::Has(const char* name) const {
-  return column_of_name_.contains(name) && !Text(name).empty() && Text(name) != "-";
+  if (!column_of_name_.contains(name)) {
+    return false;
+  }
+  const std::string& text = Text(name);
+  return !text.empty() && text != "-" && text != "undef" && text != "inf";
 }
 
 double PositionTable::Number(const char* name) const {
@@ -103,8 +119,14 @@ double PositionTable::Height() const {
   if (!Has("h_m")) {
     return 0.0;
   }
-  const std::optional<double> height_m = HeightM(Text("h_m"));
-  return height_m ? *height_m : Number("h_m");
+  const double height_m = Meters("h_m");
+  const std::string below = Has("h_ref") ? Text("h_ref") : "";
+  return below == "1" || below.starts_with("Below") ? -std::abs(height_m) : height_m;
+}
+
+double PositionTable::Meters(const char* name) const {
+  const std::optional<double> with_unit = HeightM(Text(name));
+  return with_unit ? *with_unit : Number(name);
 }
 
 Geodetic PositionTable::Position(const std::string& what) const {
@@ -119,7 +141,7 @@ Geodetic PositionTable::Position(const std::string& what) const {
 }
 
 double PositionTable::AccuracyOr(double default_m) const {
-  const double accuracy_m = Has("accuracy_m") ? Number("accuracy_m") : default_m;
+  const double accuracy_m = Has("accuracy_m") ? Meters("accuracy_m") : default_m;
   if (!(accuracy_m > 0.0)) {
     Throw("column accuracy_m: must be positive");
   }

@@ -22,7 +22,8 @@ class PositionTable {
 
   bool NextRow();  // Moves to the next row; false after the last.
 
-  // True if the row has something in this column; exiftool writes '-' for nothing.
+  // True if the row has something in this column; exiftool writes '-', 'undef' or 'inf' for
+  // nothing.
   bool Has(const char* name) const;
   const std::string& Text(const char* name) const { return rows_.cells()[ColumnOf(name)]; }
   double Number(const char* name) const;  // Finite.
@@ -40,6 +41,7 @@ class PositionTable {
   size_t ColumnOf(const char* name) const { return column_of_name_.find(name)->second; }
   double Angle(const char* name, const char* ref_name, const char* hemispheres) const;
   double Height() const;
+  double Meters(const char* name) const;  // With or without the unit.
 
   std::string path_;
   std::string text_;

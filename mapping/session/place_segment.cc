@@ -150,7 +150,7 @@ PlacedSegment PlaceSegmentBeside(const Georegistration& placed, const PhotoSet& 
     return PlaceSegment(set, places, segment, options, adjust);
   } catch (const Error& error) {
     const std::optional<size_t> way = CommonWay(placed.up);
-    if (error.code() != ErrorCode::kBadInput || !way) {
+    if (error.code() != ErrorCode::kBadInput || !way || options.up != UpSource::kAuto) {
       throw;
     }
     GeoregisterOptions most_likely = options;

@@ -79,6 +79,39 @@ TEST(CameraPositionsOfPrograms, MetashapeAndSpreadsheets) {
   ExpectPosition(spreadsheet.at(0), "IMG_1.JPG", 47.25, 8.5, 400.5);
 }
 
+TEST(CameraPositionsOfPrograms, MetashapeStatesItsCoordinateSystemFirst) {
+  const auto positions = Read(
+      "# CoordinateSystem: GEOGCS[\"WGS 84\",DATUM[\"World Geodetic System 1984\"]]\n"
+      "#Label\tX/Longitude\tY/Latitude\tZ/Altitude\nIMG_1.JPG\t8.5\t47.25\t400.5\n");
+  ExpectPosition(positions.at(0), "IMG_1.JPG", 47.25, 8.5, 400.5);
+  EXPECT_THAT(RefusalOf("# nothing"), HasSubstr("the header is missing"));
+  EXPECT_THAT(RefusalOf("# x\nimage,lat,lon,alt\na,b,8,400\n"), HasSubstr("line 3"));
+}
+
+TEST(CameraPositionsOfPrograms, OtherUnitsAreRefused) {
+  EXPECT_THAT(RefusalOf("image,lat,lon,Altitude (ft)\na,47,8,400\n"), HasSubstr("no column 'h_m'"));
+  EXPECT_THAT(RefusalOf("image,Latitude (rad),lon,alt\na,0.8,8,400\n"),
+              HasSubstr("no column 'lat_deg'"));
+}
+
+TEST(CameraPositionsOfPrograms, HeightsOfPicturesAreNoHeights) {
+  const auto positions = Read("image,width,height,lat,lon,alt\na,4032,3024,47,8,400\n");
+  EXPECT_EQ(positions.at(0).position.h_m, 400.0);
+  EXPECT_THAT(RefusalOf("image,width,height,lat,lon\na,4032,3024,47,8\n"),
+              HasSubstr("no column 'h_m'"));
+}
+
+TEST(CameraPositionsOfPrograms, SignsOfExiftoolsCompositeCount) {
+  const auto positions = Read(
+      "SourceFile,EXIF:GPSLatitude,EXIF:GPSLongitude,EXIF:GPSAltitude,EXIF:GPSAltitudeRef,"
+      "Composite:GPSLatitude,Composite:GPSLongitude,EXIF:GPSHPositioningError\n"
+      "a.jpg,33.5,70.5,12,1,-33.5,-70.5,4.7 m\nb.jpg,33.5,70.5,undef,0,-33.5,-70.5,inf\n");
+  ExpectPosition(positions.at(0), "a.jpg", -33.5, -70.5, -12.0);
+  EXPECT_EQ(positions[0].accuracy_m, 4.7);
+  EXPECT_FALSE(positions.at(1).has_height);
+  EXPECT_EQ(positions[1].accuracy_m, 5.0);
+}
+
 TEST(CameraPositionsOfPrograms, OwnNamesComeFirst) {
   const auto positions = Read("latitude,lat_deg,longitude,lon_deg,name,image,h_m\n1,2,3,4,a,b,5\n");
   ExpectPosition(positions.at(0), "b", 2.0, 4.0, 5.0);
@@ -110,11 +143,14 @@ TEST(AngleDeg, ReadsSignsOfAllKinds) {
   EXPECT_THAT(AngleDeg("S 55\u00b030.6\u2032", "NS"), Optional(-55.51));
   EXPECT_THAT(AngleDeg("-8:30", "EW"), Optional(-8.5));
   EXPECT_THAT(AngleDeg("8.5 w", "EW"), Optional(-8.5));
+  EXPECT_THAT(AngleDeg("55d 30m 36s", "NS"), Optional(55.51));
+  EXPECT_THAT(AngleDeg("S 55d 30m 36s", "NS"), Optional(-55.51));
 }
 
 TEST(AngleDeg, RefusesOtherTexts) {
-  for (const char* text : {"", "N", "north", "55 60 N", "55 -1 N", "1 2 3 4", "55x", "5 E", "-5 N",
-                           "nan", "1e999", "55 deg 41' 53.40\" Q"}) {
+  for (const char* text :
+       {"", "N", "north", "55 60 N", "55 -1 N", "1 2 3 4", "55x", "5 E", "-5 N", "nan", "1e999",
+        "55 deg 41' 53.40\" Q", "55.698.167", "55.5 30", "55 30s"}) {
     EXPECT_EQ(AngleDeg(text, "NS"), std::nullopt) << text;
   }
 }
