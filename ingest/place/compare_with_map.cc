@@ -225,6 +225,14 @@ void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
   }
 }
 
+// A sure answer may come from a part of the keypoints. What a session shows from behind, and where
+// it stands, is judged by all of them.
+LocalizerOptions MostPrecise() {
+  LocalizerOptions options;
+  options.refinement.mode = RefinementMode::kAlways;
+  return options;
+}
+
 // Asks the map for photos and collects what it says.
 class MapInquiry {
  public:
@@ -234,7 +242,7 @@ class MapInquiry {
         session_(session),
         options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
-        localizer_(map, LocalizerOptions(), kCacheBytes) {}
+        localizer_(map, MostPrecise(), kCacheBytes) {}
 
   // Returns the number of photos that the map recognizes with this confidence.
   int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {

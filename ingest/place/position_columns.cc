@@ -32,9 +32,9 @@ constexpr ColumnNames kColumnNames[] = {
 };
 
 // In brackets behind a name: what the column has anyway.
-constexpr std::string_view kUnits[] = {"",       "m",           "meter",     "meters",  "metre",
-                                       "metres", "deg",         "degree",    "degrees", "n",
-                                       "e",      "ellipsoidal", "ellipsoid", "wgs84",   "dd"};
+constexpr std::string_view kUnits[] = {"",          "m",       "meter", "meters", "deg",
+                                       "degree",    "degrees", "n",     "e",      "ellipsoidal",
+                                       "ellipsoid", "wgs84",   "dd"};
 
 char Lower(char letter) {
   return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));

@@ -268,10 +268,7 @@ void Mapper::Place(const Growth& growth) {
 
 void Mapper::PlaceOne(const Segment& segment) {
   const PlacedSegment placed =
-      result_.model.images.empty()
-          ? PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust)
-          : PlaceSegmentBeside(result_.georegistration, folder_.set, places_, segment, georegister_,
-                               options_.adjust);
+      PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
   if (input_.one_segment && !result_.model.images.empty()) {
     LeaveOut(segment,
              "has a place of its own, but a session joins the map as one piece; map these photos "

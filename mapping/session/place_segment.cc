@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "core/error.h"
@@ -49,20 +48,6 @@ void Move(const Sim3d& target_from_world, Reconstruction* model) {
   for (ReconLandmark& landmark : model->landmarks) {
     landmark.x_in_world = target_from_world * landmark.x_in_world;
   }
-}
-
-// Of PictureUp; nothing if photos are held in several ways, or if nobody looked.
-std::optional<size_t> CommonWay(const UpReport& up) {
-  std::optional<size_t> way;
-  for (size_t i = 0; i < up.num_images.size(); ++i) {
-    if (up.num_images[i] > 0) {
-      if (way) {
-        return std::nullopt;
-      }
-      way = i;
-    }
-  }
-  return way;
 }
 
 // The middle of the cameras.
@@ -141,30 +126,6 @@ PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segme
   placed.georegistration.ecef_from_world = {1.0, ecef_from_enu.rotation, ecef_from_enu.translation};
   placed.segment = std::move(segment);
   return placed;
-}
-
-PlacedSegment PlaceSegmentBeside(const Georegistration& placed, const PhotoSet& set,
-                                 const PhotoPlaces& places, const Segment& segment,
-                                 const GeoregisterOptions& options, const AdjustOptions& adjust) {
-  try {
-    return PlaceSegment(set, places, segment, options, adjust);
-  } catch (const Error& error) {
-    const std::optional<size_t> way = CommonWay(placed.up);
-    if (error.code() != ErrorCode::kBadInput || !way || options.up != UpSource::kAuto) {
-      throw;
-    }
-    GeoregisterOptions most_likely = options;
-    most_likely.least_up_odds = 1.0;
-    try {
-      PlacedSegment beside = PlaceSegment(set, places, segment, most_likely, adjust);
-      if (CommonWay(beside.georegistration.up) == way) {
-        return beside;
-      }
-    } catch (const Error&) {
-      // The first problem is that of the segment.
-    }
-    throw;
-  }
 }
 
 void TakeWorst(const Georegistration& segment, Georegistration* all) {

@@ -32,13 +32,6 @@ struct PlacedSegment {
 PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
                            const GeoregisterOptions& options, const AdjustOptions& adjust);
 
-// PlaceSegment. If it fails and all photos of `placed`, another segment of the set, are held in one
-// way, it is enough that this way is the most likely one for all photos of the segment: people hold
-// a camera as before. Throws what PlaceSegment does.
-PlacedSegment PlaceSegmentBeside(const Georegistration& placed, const PhotoSet& set,
-                                 const PhotoPlaces& places, const Segment& segment,
-                                 const GeoregisterOptions& options, const AdjustOptions& adjust);
-
 // Makes `all` state the worst of its segments: a session has one accuracy for all of them.
 void TakeWorst(const Georegistration& segment, Georegistration* all);
 

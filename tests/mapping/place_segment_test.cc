@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 
 #include "core/error.h"
 #include "mapping/street_segment.h"
@@ -101,24 +100,6 @@ TEST(PlaceSegment, SaysHowManyPositionsItNeeds) {
     EXPECT_NE(std::string(error.what()).find("2 of its 16 photos"), std::string::npos)
         << error.what();
   }
-}
-
-// The odds of a short walk are too small to be sure which way is up, but another segment says how
-// the camera was held.
-TEST(PlaceSegment, IsHeldAsTheOthersAreIfItsPhotosTellLittle) {
-  const testing::StreetSegment street = testing::MakeStreetSegment(0.05);
-  GeoregisterOptions never_sure;
-  never_sure.least_up_odds = 1e30;
-  const auto place = [&](const std::array<int, 5>& num_images) {
-    Georegistration placed;
-    placed.up.num_images = num_images;
-    return PlaceSegmentBeside(placed, street.set, street.places, street.segment, never_sure, {});
-  };
-  EXPECT_THROW(PlaceSegment(street.set, street.places, street.segment, never_sure, {}), Error);
-  EXPECT_LT(LargestError(street, place({3, 0, 0, 0, 0})), 0.2);
-  EXPECT_THROW(place({0, 3, 0, 0, 0}), Error);  // Held upright.
-  EXPECT_THROW(place({3, 3, 0, 0, 0}), Error);
-  EXPECT_THROW(place({0, 0, 0, 0, 0}), Error);
 }
 
 }  // namespace
