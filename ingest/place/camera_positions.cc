@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -11,13 +12,11 @@
 #include "ingest/place/position_table.h"
 
 namespace cairn {
-
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m) {
-  PositionTable table(path, {"image", "lat_deg", "lon_deg"});
+  PositionTable table(path, {"image", "lat_deg", "lon_deg", "h_m"});
   std::vector<CameraPosition> positions;
   int num_empty = 0;
-  bool has_height = false;
   while (table.NextRow()) {
     if (!table.Has("lat_deg") && !table.Has("lon_deg")) {
       ++num_empty;  // A photo without GPS.
@@ -28,13 +27,14 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
     position.position = table.Position(position.image_name);
     position.accuracy_m = table.AccuracyOr(default_accuracy_m);
     position.has_height = table.Has("h_m");
-    has_height = has_height || position.has_height;
     positions.push_back(std::move(position));
   }
   if (positions.empty()) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: there is no position below the header", path));
   }
+  const bool has_height = std::any_of(positions.begin(), positions.end(),
+                                      [](const auto& position) { return position.has_height; });
   if (has_height && table.HeightsAreAboveSeaLevel()) {
     LogWarning(
         "{}: the heights of GPSAltitude are above sea level if cameras wrote them; --height msl "

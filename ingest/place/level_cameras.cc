@@ -241,7 +241,7 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
     ++holds.report.num_images[static_cast<size_t>(holds.of_image.back())];
   }
   holds.report.source = SourceOf(choice, by_user.has_value(), has_gravity);
-  if (mirror_odds >= std::max(options.least_up_odds, GeoregisterOptions().least_up_odds)) {
+  if (mirror_odds >= options.least_up_odds) {
     holds.report.source += fmt::format(
         "; but a mirrored model, held upright, would be {:.0f} times as likely, if models were "
         "mirrored as often as not: check which way is up, and that letters are not mirrored",

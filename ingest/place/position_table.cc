@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "core/error.h"
@@ -51,16 +50,12 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
     Throw("the header is missing");
   }
   const std::vector<std::string> header = rows_.cells();
-  std::vector<const char*> wanted(required);
-  if (std::find(wanted.begin(), wanted.end(), std::string_view("h_m")) == wanted.end()) {
-    wanted.push_back("h_m");
-  }
-  for (const char* name : wanted) {
+  for (const char* name : required) {
     const std::optional<size_t> column = FindColumn(header, name);
     if (!column) {
       Throw(
           fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m{}",
-                      name, fmt::join(wanted, ", "),
+                      name, fmt::join(required, ", "),
                       rows_.Number(header.size() - 1) ? "; this line looks like a position" : ""));
     }
     column_of_name_.emplace(name, *column);

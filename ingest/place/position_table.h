@@ -15,8 +15,8 @@ namespace cairn {
 // (position_columns.h). Its errors name the file, the line and the column.
 class PositionTable {
  public:
-  // Throws Error(kBadInput) if a column of `required` or h_m is missing; the message lists these
-  // and `accuracy_m`, which is optional.
+  // `required` has h_m. Throws Error(kBadInput) if one of these columns is missing; the message
+  // lists them and `accuracy_m`, which is optional.
   PositionTable(const std::string& path, std::initializer_list<const char*> required);
   PositionTable(const PositionTable&) = delete;  // rows_ views text_.
 
