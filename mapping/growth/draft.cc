@@ -72,6 +72,16 @@ Draft::Draft(const PhotoSet& set, const TrackTable& tracks, std::vector<Camera> 
   model_.cameras = std::move(cameras);
 }
 
+Draft::Draft(const PhotoSet& set, const TrackTable& tracks, const Segment& segment, int num_threads)
+    : Draft(set, tracks, segment.model.cameras, num_threads) {
+  model_ = segment.model;
+  photo_of_image_ = segment.photo_of_image;
+  for (size_t i = 0; i < photo_of_image_.size(); ++i) {
+    image_of_photo_[photo_of_image_[i]] = static_cast<int>(i);
+  }
+  IndexLandmarks();
+}
+
 bool Draft::IsNewCamera(int camera_idx) const {
   return std::none_of(model_.images.begin(), model_.images.end(),
                       [&](const ReconImage& image) { return image.camera_idx == camera_idx; });

@@ -31,6 +31,9 @@ class Draft {
   Draft(const PhotoSet& set, const TrackTable& tracks, std::vector<Camera> cameras,
         int num_threads);
 
+  // Goes on from a finished segment, in its world.
+  Draft(const PhotoSet& set, const TrackTable& tracks, const Segment& segment, int num_threads);
+
   int num_photos() const { return static_cast<int>(photo_of_image_.size()); }
   const std::vector<int>& photos() const { return photo_of_image_; }  // In the order of joining.
   bool Has(int photo) const { return image_of_photo_[photo] >= 0; }

@@ -37,6 +37,10 @@ class GpsCheck {
   // moves all photos from one on by the same vector, which may be too short for Contradicts().
   std::vector<int> BeyondStep() const;
 
+  // How many times what they state the positions err, about the fit to all of them or to most; at
+  // least 1, also if nothing is checked.
+  double noise_of_stated() const { return noise_of_stated_; }
+
   static constexpr int kMinPositions = 4;
 
  private:

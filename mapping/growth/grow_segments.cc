@@ -9,6 +9,7 @@
 #include "mapping/growth/draft.h"
 #include "mapping/growth/grow_draft.h"
 #include "mapping/growth/growth_scene.h"
+#include "mapping/growth/join_segments.h"
 #include "mapping/growth/propose_photo.h"
 #include "mapping/growth/view_graph.h"
 
@@ -53,6 +54,7 @@ class Grower {
       num_in_segments_ += draft->num_photos();
       KeepCameras(*draft, growth.segments.back().model.cameras);
     }
+    JoinSegments(scene_, &growth.segments, &verdicts_);
     std::stable_sort(growth.segments.begin(), growth.segments.end(),
                      [](const Segment& p, const Segment& q) {
                        return p.photo_of_image.size() > q.photo_of_image.size();

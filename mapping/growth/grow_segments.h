@@ -1,5 +1,5 @@
 // Grows segments from photos: seeds of three photos, then rounds in which the photos that see a
-// segment join it.
+// segment join it; then segments that show the same become one.
 #ifndef CAIRN_MAPPING_GROWTH_GROW_SEGMENTS_H_
 #define CAIRN_MAPPING_GROWTH_GROW_SEGMENTS_H_
 

@@ -65,18 +65,6 @@ bool IsUncertain(const PhotoSet& set, int photo) {
   return source == FocalSource::kGuess || source == FocalSource::kPhotos;
 }
 
-// True if most inliers of a view fit the poses as well as those of a draft do (kMaxDraftSigmas).
-bool MostInliersFit(const PhotoSet& set, const TwoView& view, const Posed& a, const Posed& b) {
-  constexpr double kSlack = kMaxDraftSigmas / kMaxEpipolarSigmas;
-  Rigid3d b_from_a = b.cam_from_world * a.cam_from_world.Inverse();
-  b_from_a.translation.normalize();
-  const PairRays rays = MakePairRays({set.photos[view.a], a.camera, kSlack},
-                                     {set.photos[view.b], b.camera, kSlack}, view.inliers);
-  const auto num_fit = RelativePoseProblem(rays.rays, 0).InliersOf(b_from_a).size();
-  return static_cast<double>(num_fit) >
-         kMinShareThatFits * static_cast<double>(view.inliers.size());
-}
-
 }  // namespace
 
 ViewErrors CompareWithView(const TwoView& view, const Rigid3d& a_from_world,
@@ -124,6 +112,17 @@ bool ViewGraph::IsGuessed(const TwoView& view) const {
   return IsUncertain(set_, view.a) || IsUncertain(set_, view.b);
 }
 
+bool ViewGraph::MostInliersFit(const TwoView& view, const Posed& a, const Posed& b) const {
+  constexpr double kSlack = kMaxDraftSigmas / kMaxEpipolarSigmas;
+  Rigid3d b_from_a = b.cam_from_world * a.cam_from_world.Inverse();
+  b_from_a.translation.normalize();
+  const PairRays rays = MakePairRays({set_.photos[view.a], a.camera, kSlack},
+                                     {set_.photos[view.b], b.camera, kSlack}, view.inliers);
+  const auto num_fit = RelativePoseProblem(rays.rays, 0).InliersOf(b_from_a).size();
+  return static_cast<double>(num_fit) >
+         kMinShareThatFits * static_cast<double>(view.inliers.size());
+}
+
 Testimony ViewGraph::Ask(int photo, const Posed& posed,
                          const std::function<std::optional<Posed>(int photo)>& posed_of) const {
   Testimony testimony;
@@ -149,7 +148,7 @@ Testimony ViewGraph::Ask(int photo, const Posed& posed,
 
 bool ViewGraph::Agrees(const TwoView& view, const Posed& a, const Posed& b) const {
   if (IsGuessed(view)) {
-    return MostInliersFit(set_, view, a, b);
+    return MostInliersFit(view, a, b);
   }
   const ViewErrors errors = CompareWithView(view, a.cam_from_world, b.cam_from_world);
   const ViewTolerances tolerances = TolerancesOf(view);

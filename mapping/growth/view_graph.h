@@ -64,6 +64,9 @@ class ViewGraph {
   // True if a focal length of the view is or was a guess.
   bool IsGuessed(const TwoView& view) const;
 
+  // True if most inliers of a view fit the poses as well as those of a draft do (kMaxDraftSigmas).
+  bool MostInliersFit(const TwoView& view, const Posed& a, const Posed& b) const;
+
   // Asks the views of `photo` with photos that have a pose. A view agrees if rotation and direction
   // do, within its tolerances. Where a focal length was a guess, both were found under a camera
   // that has changed since; then a view agrees if most of its inliers fit the poses under these

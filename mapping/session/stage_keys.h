@@ -16,7 +16,7 @@ namespace cairn {
 std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
                        const MappingOptions& options);
 
-// What segments depend on.
+// What segments depend on. A number of its own changes if only the growth does.
 std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& options);
 
 }  // namespace cairn

@@ -1,0 +1,30 @@
+// Joins segments that show the same, though no photo of one could join the other alone.
+#ifndef CAIRN_MAPPING_GROWTH_JOIN_SEGMENTS_H_
+#define CAIRN_MAPPING_GROWTH_JOIN_SEGMENTS_H_
+
+#include <vector>
+
+#include "mapping/growth/grow_segments.h"
+#include "mapping/growth/growth_scene.h"
+#include "mapping/segment.h"
+
+namespace cairn {
+
+// Tries pairs of segments that two views link, those with the most inliers first, until no pair
+// joins any more; then segments that joined grow on, and the pairs that changed are tried again.
+// Two segments become one if (decision 66):
+// - enough tracks agree on a similarity (AlignSegments),
+// - in the adjusted union, the inliers of most two views between them fit: those of at least three
+//   two views, with two photos on each side and four times the inliers of those that do not fit,
+// - two of these two views are as strong as GrowthOptions::min_link_share asks, compared with the
+//   strongest two views that both their photos have within their segments: a copy of a facade is
+//   linked more weakly,
+// - positions contradict no photo, and nine tenths of the photos of the smaller segment keep
+//   GrowthOptions::min_inliers observations.
+// Segments that do not join stay as they were. A photo that leaves gets a verdict. Deterministic.
+void JoinSegments(const GrowthScene& scene, std::vector<Segment>* segments,
+                  std::vector<PhotoVerdict>* verdicts);
+
+}  // namespace cairn
+
+#endif  // CAIRN_MAPPING_GROWTH_JOIN_SEGMENTS_H_
