@@ -80,6 +80,28 @@ TEST_P(GpsCheckOfCopies, ContradictsThoseWithFewerPhotos) {
 }
 INSTANTIATE_TEST_SUITE_P(Shares, GpsCheckOfCopies, ::testing::Values(20, 17));
 
+// Eight positions on two places 30 m apart, which a draft takes for one: a fit to all of them
+// contradicts none, but they err by much more than they state.
+TEST(GpsCheck, FewPositionsOfTwoPlacesErrMoreThanTheyState) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    PhotoSet set = Walk(8, seed);
+    const TrackTable tracks(set, {});
+    Draft right(set, tracks, {set.cameras[0].camera}, 1), wrong = right;
+    for (int i = 0; i < 8; ++i) {
+      right.Add(i, PoseAt(kStepM * i));
+      wrong.Add(i, PoseAt(kStepM * i));
+    }
+    EXPECT_LT(GpsCheck(set, right, 15.0, 1).noise_of_stated(), 2.0) << seed;
+    const Rigid3d ecef_from_enu = EcefFromEnu(Geodetic::FromDegrees(47.0, 8.0, 400.0));
+    for (int i = 1; i < 8; i += 2) {
+      const Eigen::Vector3d away_in_ecef = EcefFromGeodetic(*set.photos[i].gps) +
+                                           ecef_from_enu.rotation * Eigen::Vector3d(0.0, 30.0, 0.0);
+      set.photos[i].gps = GeodeticFromEcef(away_in_ecef);
+    }
+    EXPECT_GT(GpsCheck(set, wrong, 15.0, 1).noise_of_stated(), 2.0) << seed;
+  }
+}
+
 // Receivers that claim too much do not cost photos.
 TEST(GpsCheck, SeesThatAllPositionsErrMoreThanTheyState) {
   PhotoSet set = Walk(30, 7);

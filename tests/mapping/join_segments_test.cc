@@ -90,6 +90,24 @@ TEST(JoinSegments, ThreadsDoNotMatter) {
   }
 }
 
+// A part of a few photos moves to one of more than 200, which stays; and parts in a row all meet.
+TEST(JoinSegments, PartsOfALongStreetMeet) {
+  testing::StreetWorldOptions options;
+  options.length_m = 480.0;
+  options.keyframe_step_m = 2.0;
+  options.num_landmarks = 2860;
+  options.clutter_ratio = 0.0;
+  const Reconstruction street = testing::StreetWorld(options).Reconstruct();
+  const auto part_of = [](int photo) { return photo < 205 ? 0 : (photo - 193) / 12; };
+  const std::vector<TwoView> views = testing::TrueViews(
+      street, 15,
+      [&](int a, int b, int landmark) { return part_of(a) == part_of(b) || landmark % 5 == 0; });
+  const Growth growth = Grow(testing::PhotosOf(street), views, 2);
+  ASSERT_EQ(growth.segments.size(), 1u);
+  EXPECT_EQ(growth.segments[0].photo_of_image.size(), street.images.size());
+  EXPECT_LT(WorstErrorOf(street, growth.segments[0]), 2e-3 * 480.0 * 0.2);
+}
+
 // Photos of a facade match those of its copy as if they were taken from the same places, but only a
 // twentieth of what they show does. Nothing contradicts that; photos from one place share more.
 TEST(JoinSegments, WeakLinksToACopyJoinNothing) {
