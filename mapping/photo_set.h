@@ -33,6 +33,13 @@ struct MappingCamera {
   // Of the camera before any adjustment. Without meaning if the source is kCalibration.
   FocalPrior focal;
   FocalSource source = FocalSource::kGuess;
+  // True if something says that the picture may be a part of another, whose principal point may be
+  // anywhere.
+  bool may_be_cropped = false;
+
+  // How little is known of the intrinsics: that of a camera whose principal point is unknown is as
+  // a guess.
+  FocalSource Certainty() const { return may_be_cropped ? FocalSource::kGuess : source; }
 };
 
 struct MappingPhoto {

@@ -12,8 +12,8 @@
 
 namespace cairn {
 
-// What an adjustment may change of a camera that several images share. The principal point and
-// the ratio of fx to fy never change.
+// What an adjustment may change of a camera that several images share, each more than the one
+// before. The ratio of fx to fy never changes.
 enum class CameraFreedom {
   kFixed,
   kFocal,
@@ -21,6 +21,7 @@ enum class CameraFreedom {
   // fy differ. The models other than SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV keep
   // their distortion: for them the freedom is kFocal.
   kFocalAndDistortion,
+  kWithPrincipalPoint,  // Of a picture that was cut out of another.
 };
 
 // A known position of an image's camera.
@@ -54,6 +55,10 @@ struct AdjustOptions {
   // take photos with bend the corner of a picture, at a radius of 0.6, by some percent. It decides
   // only where the photos do not show the distortion.
   double distortion_sigma = 0.2;
+  // Scale of Cauchy's loss on the shift of the principal point from its mean, in lengths of the
+  // picture's longer side, where it is free: that of a whole picture is near its middle, that of a
+  // part may be anywhere.
+  double principal_point_loss_scale = 0.01;
   int max_iterations = 50;
   // The solver stops when the cost falls by less than this share.
   double min_relative_change = 1e-6;

@@ -101,7 +101,8 @@ bool ReprojectionCost::Evaluate(double const* const* parameters, double* residua
   const bool by_point = jacobians != nullptr && jacobians[0] != nullptr;
   const bool by_camera = jacobians != nullptr && jacobians[2] != nullptr;
   Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 3> pixel_by_cam, pixel_by_unknowns;
+  Eigen::Matrix<double, 2, 3> pixel_by_cam;
+  Eigen::Matrix<double, 2, kCameraSize> pixel_by_unknowns;
   if (!camera_->Project(unknowns, x_in_cam, &pixel, by_pose || by_point ? &pixel_by_cam : nullptr,
                         by_camera ? &pixel_by_unknowns : nullptr)) {
     return false;
@@ -140,7 +141,7 @@ bool PositionCost::Evaluate(double const* const* parameters, double* residuals,
 bool CameraPriorCost::Evaluate(double const* const* parameters, double* residuals,
                                double** jacobians) const {
   const Eigen::Map<const CameraUnknowns> unknowns(parameters[0]);
-  Eigen::Map<Eigen::Vector3d>{residuals} = inverse_sigma_.cwiseProduct(unknowns - start_);
+  Eigen::Map<CameraUnknowns>{residuals} = inverse_sigma_.cwiseProduct(unknowns - start_);
   if (jacobians != nullptr && jacobians[0] != nullptr) {
     Eigen::Map<RowMajor<kCameraSize, kCameraSize>>{jacobians[0]} = inverse_sigma_.asDiagonal();
   }

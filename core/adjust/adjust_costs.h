@@ -17,7 +17,6 @@ namespace cairn {
 // camera in the world.
 inline constexpr int kPoseSize = 7;
 inline constexpr int kPointSize = 3;
-inline constexpr int kCameraSize = 3;  // CameraUnknowns.
 
 void StorePose(const Rigid3d& cam_from_world, double* pose);
 Rigid3d LoadPose(const double* pose);
@@ -83,14 +82,14 @@ class PositionCost : public ceres::SizedCostFunction<3, kPoseSize> {
 // (unknowns - start) / sigma, of the unknowns of a camera; an infinite sigma asks for nothing.
 class CameraPriorCost : public ceres::SizedCostFunction<kCameraSize, kCameraSize> {
  public:
-  CameraPriorCost(const CameraUnknowns& start, const Eigen::Vector3d& sigma)
+  CameraPriorCost(const CameraUnknowns& start, const CameraUnknowns& sigma)
       : start_(start), inverse_sigma_(sigma.cwiseInverse()) {}
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
  private:
   CameraUnknowns start_;
-  Eigen::Vector3d inverse_sigma_;
+  CameraUnknowns inverse_sigma_;
 };
 
 }  // namespace cairn

@@ -10,6 +10,8 @@ void AdjustOptions::Validate() const {
   RequireOption(position_loss_scale_sigmas > 0.0,
                 "adjust.position_loss_scale_sigmas must be positive");
   RequireOption(distortion_sigma > 0.0, "adjust.distortion_sigma must be positive");
+  RequireOption(principal_point_loss_scale > 0.0,
+                "adjust.principal_point_loss_scale must be positive");
   RequireOption(max_iterations >= 1, "adjust.max_iterations must be at least 1");
   RequireOption(min_relative_change >= 0.0 && min_relative_change < 1.0,
                 "adjust.min_relative_change must be in [0, 1)");

@@ -11,6 +11,7 @@
 
 #include "core/adjust/adjust_costs.h"
 #include "core/error.h"
+#include "core/focal_length.h"
 #include "core/scene/triangulate.h"
 
 namespace cairn {
@@ -134,6 +135,7 @@ CameraUnknowns AdjustProblem::CameraMean(size_t camera) const {
   const Camera& mean = priors_.camera_means[camera];
   CameraUnknowns unknowns = AdjustableCamera(mean).start();
   unknowns[0] = std::log(mean.focal_px() / model_.cameras[camera].focal_px());
+  unknowns.tail<2>() = PrincipalPointPx(mean) - PrincipalPointPx(model_.cameras[camera]);
   return unknowns;
 }
 
@@ -151,16 +153,36 @@ void AdjustProblem::AddCameras() {
     const double focal_sigma =
         priors_.focal_sigma_of_camera.empty() ? 0.0 : priors_.focal_sigma_of_camera[i];
     const bool is_bent =
-        freedom == CameraFreedom::kFocalAndDistortion && cameras_[i].has_free_distortion();
+        freedom >= CameraFreedom::kFocalAndDistortion && cameras_[i].has_free_distortion();
+    const bool is_shifted = freedom == CameraFreedom::kWithPrincipalPoint;
+    std::vector<int> held;
     if (!is_bent) {
-      problem_.SetManifold(CameraAt(i), new ceres::SubsetManifold(kCameraSize, {1, 2}));
+      held.insert(held.end(), {1, 2});
+    }
+    if (!is_shifted) {
+      held.insert(held.end(), {3, 4});
+    }
+    if (!held.empty()) {
+      problem_.SetManifold(CameraAt(i), new ceres::SubsetManifold(kCameraSize, held));
     }
     const double distortion_sigma = is_bent ? options_.distortion_sigma : kNothing;
-    problem_.AddResidualBlock(
-        new CameraPriorCost(CameraMean(i), {focal_sigma > 0.0 ? focal_sigma : kNothing,
-                                            distortion_sigma, distortion_sigma}),
-        nullptr, CameraAt(i));
+    CameraUnknowns sigma = CameraUnknowns::Constant(kNothing);
+    sigma.head<3>() << (focal_sigma > 0.0 ? focal_sigma : kNothing), distortion_sigma,
+        distortion_sigma;
+    problem_.AddResidualBlock(new CameraPriorCost(CameraMean(i), sigma), nullptr, CameraAt(i));
+    if (is_shifted) {
+      AddPrincipalPoint(i);
+    }
   }
+}
+
+void AdjustProblem::AddPrincipalPoint(size_t camera) {
+  const Camera& before = model_.cameras[camera];
+  CameraUnknowns sigma = CameraUnknowns::Constant(std::numeric_limits<double>::infinity());
+  sigma.tail<2>().setConstant(options_.principal_point_loss_scale *
+                              std::max(before.width_px(), before.height_px()));
+  problem_.AddResidualBlock(new CameraPriorCost(CameraMean(camera), sigma),
+                            new ceres::CauchyLoss(1.0), CameraAt(camera));
 }
 
 void AdjustProblem::AddPositions() {

@@ -44,12 +44,13 @@ class AdjustProblem {
   bool IsLandmarkFixed(size_t landmark) const;
   void AddObservations();
   void AddCameras();
+  void AddPrincipalPoint(size_t camera);
   CameraUnknowns CameraMean(size_t camera) const;  // See AdjustPriors::camera_means.
   void AddPositions();
   void FixGauge();
   void HoldScale(size_t anchor);
 
-  static constexpr size_t kPointStride = 3, kPoseStride = 7, kCameraStride = 3;
+  static constexpr size_t kPointStride = 3, kPoseStride = 7, kCameraStride = kCameraSize;
 
   std::span<const CameraFreedom> freedom_of_camera_;
   std::span<const AdjustableCamera> cameras_;

@@ -24,38 +24,39 @@ AdjustableCamera::AdjustableCamera(const Camera& camera)
   if (has_free_distortion_) {
     const size_t at = num_focal + 2;
     const auto term = [&](size_t i) { return at + i < params.size() ? params[at + i] : 0.0; };
-    start_ = {0.0, term(0), term(1)};
+    start_.segment<2>(1) << term(0), term(1);
     p1_ = term(2);
     p2_ = term(3);
   }
 }
 
-bool AdjustableCamera::ProjectKept(const Eigen::Vector3d& x_in_cam, double focal_ratio,
+bool AdjustableCamera::ProjectKept(const CameraUnknowns& unknowns, const Eigen::Vector3d& x_in_cam,
                                    Eigen::Vector2d* pixel,
                                    Eigen::Matrix<double, 2, 3>* pixel_by_cam,
-                                   Eigen::Matrix<double, 2, 3>* pixel_by_unknowns) const {
+                                   Eigen::Matrix<double, 2, kCameraSize>* pixel_by_unknowns) const {
   const std::optional<Eigen::Vector2d> kept = camera_.ProjectWithJacobian(x_in_cam, pixel_by_cam);
   if (!kept) {
     return false;
   }
+  const double focal_ratio = std::exp(unknowns[0]);
   const Eigen::Vector2d from_center = focal_ratio * (*kept - center_);
-  *pixel = center_ + from_center;
+  *pixel = center_ + unknowns.tail<2>() + from_center;
   if (pixel_by_cam != nullptr) {
     *pixel_by_cam *= focal_ratio;
   }
   if (pixel_by_unknowns != nullptr) {
     pixel_by_unknowns->setZero();
     pixel_by_unknowns->col(0) = from_center;
+    pixel_by_unknowns->rightCols<2>().setIdentity();
   }
   return true;
 }
 
 bool AdjustableCamera::Project(const CameraUnknowns& unknowns, const Eigen::Vector3d& x_in_cam,
                                Eigen::Vector2d* pixel, Eigen::Matrix<double, 2, 3>* pixel_by_cam,
-                               Eigen::Matrix<double, 2, 3>* pixel_by_unknowns) const {
-  const double focal_ratio = std::exp(unknowns[0]);
+                               Eigen::Matrix<double, 2, kCameraSize>* pixel_by_unknowns) const {
   if (!has_free_distortion_) {
-    return ProjectKept(x_in_cam, focal_ratio, pixel, pixel_by_cam, pixel_by_unknowns);
+    return ProjectKept(unknowns, x_in_cam, pixel, pixel_by_cam, pixel_by_unknowns);
   }
   if (!(x_in_cam.z() > 0.0)) {
     return false;
@@ -69,11 +70,11 @@ bool AdjustableCamera::Project(const CameraUnknowns& unknowns, const Eigen::Vect
     return false;
   }
   const double radial = 1.0 + q * (k1 + q * k2);
-  const Eigen::Vector2d focal = focal_ratio * focal_;
+  const Eigen::Vector2d focal = std::exp(unknowns[0]) * focal_;
   const Eigen::Vector2d from_center(
       focal.x() * (u * radial + 2.0 * p1_ * u * v + p2_ * (q + 2.0 * u * u)),
       focal.y() * (v * radial + 2.0 * p2_ * u * v + p1_ * (q + 2.0 * v * v)));
-  *pixel = center_ + from_center;
+  *pixel = center_ + unknowns.tail<2>() + from_center;
   if (pixel_by_cam != nullptr) {
     const double radial_by_q2 = 2.0 * (k1 + 2.0 * q * k2);
     const double cross = radial_by_q2 * u * v + 2.0 * p1_ * u + 2.0 * p2_ * v;
@@ -89,27 +90,32 @@ bool AdjustableCamera::Project(const CameraUnknowns& unknowns, const Eigen::Vect
     pixel_by_unknowns->col(0) = from_center;
     pixel_by_unknowns->col(1) = q * ideal;
     pixel_by_unknowns->col(2) = q * q * ideal;
+    pixel_by_unknowns->rightCols<2>().setIdentity();
   }
   return true;
 }
 
 Camera AdjustableCamera::With(const CameraUnknowns& unknowns) const {
   const double focal_ratio = std::exp(unknowns[0]);
-  std::vector<double> params = camera_.params();
-  for (int i = 0; i < NumFocalLengths(camera_.model()); ++i) {
-    params[i] *= focal_ratio;
-  }
-  if (!has_free_distortion_ || unknowns.tail<2>() == start_.tail<2>()) {
+  const int num_focal = NumFocalLengths(camera_.model());
+  const Eigen::Vector2d center = center_ + unknowns.tail<2>();
+  if (!has_free_distortion_ || unknowns.segment<2>(1) == start_.segment<2>(1)) {
+    std::vector<double> params = camera_.params();
+    for (int i = 0; i < num_focal; ++i) {
+      params[i] *= focal_ratio;
+    }
+    params[num_focal] = center.x();
+    params[num_focal + 1] = center.y();
     return Camera(camera_.model(), camera_.width_px(), camera_.height_px(), std::move(params));
   }
   const Eigen::Vector2d focal = focal_ratio * focal_;
+  const double k1 = unknowns[1], k2 = unknowns[2];
   if (camera_.model() == CameraModel::kOpenCv || focal.x() != focal.y()) {
-    return Camera(
-        CameraModel::kOpenCv, camera_.width_px(), camera_.height_px(),
-        {focal.x(), focal.y(), center_.x(), center_.y(), unknowns[1], unknowns[2], p1_, p2_});
+    return Camera(CameraModel::kOpenCv, camera_.width_px(), camera_.height_px(),
+                  {focal.x(), focal.y(), center.x(), center.y(), k1, k2, p1_, p2_});
   }
   return Camera(CameraModel::kRadial, camera_.width_px(), camera_.height_px(),
-                {focal.x(), center_.x(), center_.y(), unknowns[1], unknowns[2]});
+                {focal.x(), center.x(), center.y(), k1, k2});
 }
 
 }  // namespace cairn

@@ -95,7 +95,7 @@ std::vector<LandmarkObservation> Draft::ObservationsOf(int photo) const {
     if (track >= 0 && landmark_of_track_[track] >= 0) {
       observations.push_back({i,
                               {keypoints[i].x_px, keypoints[i].y_px},
-                              KeypointSigmaPx(keypoints[i].scale_px),
+                              keypoints[i].scale_px,
                               model_.landmarks[landmark_of_track_[track]].x_in_world});
     }
   }

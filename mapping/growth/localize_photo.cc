@@ -6,7 +6,10 @@
 #include <numeric>
 #include <utility>
 
+#include "core/adjust/adjust.h"
+#include "core/error.h"
 #include "core/random.h"
+#include "core/scene/reconstruction.h"
 #include "engine/pose/consensus.h"
 #include "engine/pose/p3p.h"
 #include "engine/pose/ransac.h"
@@ -35,7 +38,7 @@ ObservationRays MakeObservationRays(const Camera& camera,
       RayObservation observation;
       observation.ray_in_cam = *ray;
       observation.x_in_anchor = observations[i].x_in_world;
-      observation.threshold_rad = kMaxDraftSigmas * observations[i].sigma_px / camera.focal_px();
+      observation.threshold_rad = kMaxDraftSigmas * observations[i].SigmaPx() / camera.focal_px();
       observation.keypoint_idx = observations[i].keypoint_idx;
       result.rays.push_back(observation);
       result.observation_of_ray.push_back(i);
@@ -147,6 +150,37 @@ std::optional<LocalizedPhoto> LocalizePhoto(std::span<const Camera> cameras,
     }
   }
   return best;
+}
+
+void FitPart(const MappingCamera& known, const std::vector<LandmarkObservation>& observations,
+             LocalizedPhoto* photo) {
+  Reconstruction model;
+  model.cameras = {photo->camera};
+  ReconImage& image = model.images.emplace_back();
+  image.cam_from_world = photo->cam_from_world;
+  for (const LandmarkObservation& seen : observations) {
+    model.landmarks.push_back({seen.x_in_world, {{0, image.features.size()}}});
+    image.features.keypoints.push_back({static_cast<float>(seen.pixel.x()),
+                                        static_cast<float>(seen.pixel.y()), seen.scale_px, 0.0F});
+  }
+  AdjustPriors priors;
+  priors.focal_sigma_of_camera = {known.focal.log_sigma};
+  priors.camera_means = {known.camera};
+  priors.landmark_is_fixed.assign(model.landmarks.size(), 1);
+  AdjustOptions options;
+  options.max_error_sigmas = kMaxDraftSigmas;
+  constexpr CameraFreedom kFreedom[] = {CameraFreedom::kWithPrincipalPoint};
+  try {
+    const AdjustReport report = Adjust(kFreedom, priors, options, model);
+    if (report.num_observations > photo->num_inliers) {
+      *photo = {model.images[0].cam_from_world, model.cameras[0],
+                static_cast<int>(report.num_observations)};
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInternal) {
+      throw;  // The solver may fail; then the pose is what it was.
+    }
+  }
 }
 
 }  // namespace cairn

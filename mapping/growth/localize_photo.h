@@ -10,6 +10,8 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
+#include "core/scene/triangulate.h"
+#include "mapping/photo_set.h"
 
 namespace cairn {
 
@@ -17,7 +19,8 @@ namespace cairn {
 struct LandmarkObservation {
   int keypoint_idx = 0;
   Eigen::Vector2d pixel;
-  double sigma_px = 1.0;  // Of the pixel, per axis.
+  float scale_px = 1.0F;                                        // Of the keypoint.
+  double SigmaPx() const { return KeypointSigmaPx(scale_px); }  // Of the pixel, per axis.
   Eigen::Vector3d x_in_world;
 };
 
@@ -38,6 +41,12 @@ struct LocalizedPhoto {
 std::optional<LocalizedPhoto> LocalizePhoto(std::span<const Camera> cameras,
                                             const std::vector<LandmarkObservation>& observations,
                                             int min_inliers, uint64_t seed);
+
+// Adjusts the pose of a photo that may be cropped together with its camera, about which `known` is
+// known: the unknown principal point bent the pose. Nothing changes if that explains no more
+// observations.
+void FitPart(const MappingCamera& known, const std::vector<LandmarkObservation>& observations,
+             LocalizedPhoto* photo);
 
 }  // namespace cairn
 

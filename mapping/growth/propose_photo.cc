@@ -81,12 +81,15 @@ Proposal Proposer::Localize(const Draft& draft, int photo) const {
   const Camera& camera = draft.CameraOf(photo);
   std::vector<Camera> cameras = {camera};
   if (draft.IsNewCamera(camera_idx)) {
-    for (const double factor : FactorsOfNew(set_.cameras[camera_idx].source)) {
+    for (const double factor : FactorsOfNew(set_.cameras[camera_idx].Certainty())) {
       cameras.push_back(WithFocalScaled(camera, factor));
     }
   }
   proposal.pose =
       LocalizePhoto(cameras, observations, options_.min_inliers, SeedOf(photo, draft.num_photos()));
+  if (proposal.pose && draft.IsNewCamera(camera_idx) && set_.cameras[camera_idx].may_be_cropped) {
+    FitPart(set_.cameras[camera_idx], observations, &*proposal.pose);
+  }
   return proposal;
 }
 
@@ -123,7 +126,7 @@ bool Proposer::LooksLikeOneOf(const Draft& draft, int photo, const LocalizedPhot
   std::vector<Eigen::Vector3d> seen;
   for (const LandmarkObservation& observation : observations) {
     const auto pixel = pose.camera.Project(pose.cam_from_world * observation.x_in_world);
-    if (pixel && (*pixel - observation.pixel).norm() <= kMaxDraftSigmas * observation.sigma_px) {
+    if (pixel && (*pixel - observation.pixel).norm() <= kMaxDraftSigmas * observation.SigmaPx()) {
       seen.push_back(observation.x_in_world);
     }
   }

@@ -61,7 +61,7 @@ struct Spoke {
 };
 
 bool IsUncertain(const PhotoSet& set, int photo) {
-  const FocalSource source = set.cameras[set.photos[photo].camera_idx].source;
+  const FocalSource source = set.cameras[set.photos[photo].camera_idx].Certainty();
   return source == FocalSource::kGuess || source == FocalSource::kPhotos;
 }
 
@@ -94,7 +94,7 @@ int ViewGraph::Find(int photo, int other) const {
 
 ViewTolerances ViewGraph::TolerancesOf(const TwoView& view) const {
   const auto factor_of = [&](int photo) {
-    const FocalSource source = set_.cameras[set_.photos[photo].camera_idx].source;
+    const FocalSource source = set_.cameras[set_.photos[photo].camera_idx].Certainty();
     return source == FocalSource::kGuess    ? kGuessTolerance
            : source == FocalSource::kPhotos ? kPhotosTolerance
                                             : 1.0;

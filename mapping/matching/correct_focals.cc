@@ -116,7 +116,7 @@ MappingCamera CameraWith(const KnownFocal& found, const MappingCamera& exif) {
   return {WithFocalScaled(unknown, focal_px / unknown.focal_px()),
           FocalPrior{.log_sigma = std::max(found.log_sigma, kMinLogSigmaFound),
                      .with_distortion = true},
-          FocalSource::kPhotos};
+          FocalSource::kPhotos, /*may_be_cropped=*/true};
 }
 
 }  // namespace

@@ -58,9 +58,10 @@ std::optional<PairPose> BetterTwin(std::span<const RayMatch> rays, const PairPos
 RaySource SourceOf(const PhotoSet& set, int photo, double focal_factor) {
   const MappingPhoto& source = set.photos[photo];
   const MappingCamera& camera = set.cameras[source.camera_idx];
-  const double sigma_factor = camera.source == FocalSource::kGuess    ? kGuessSigmaFactor
-                              : camera.source == FocalSource::kPhotos ? kPhotosSigmaFactor
-                                                                      : 1.0;
+  const FocalSource certainty = camera.Certainty();
+  const double sigma_factor = certainty == FocalSource::kGuess    ? kGuessSigmaFactor
+                              : certainty == FocalSource::kPhotos ? kPhotosSigmaFactor
+                                                                  : 1.0;
   return {source, WithFocalScaled(camera.camera, focal_factor), sigma_factor};
 }
 

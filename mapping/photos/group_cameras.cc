@@ -25,7 +25,7 @@ double Ratio(double width, double height) {
 
 bool SameRatio(double a, double b) { return std::abs(a / b - 1.0) <= kMaxRatioError; }
 
-// EXIF's focal length is that of the whole picture.
+// The size of the whole picture, which EXIF's focal length is about, has other proportions.
 bool IsCropped(const PhotoLens& photo) {
   const ExifInfo& exif = photo.exif;
   return exif.original_width_px > 0 && exif.original_height_px > 0 &&
@@ -72,7 +72,48 @@ MappingCamera CameraOf(const PhotoLens& photo, const std::vector<Camera>& known)
   }
   const PhotoCamera camera = CameraOfPhoto(exif, photo.width_px, photo.height_px);
   return {camera.camera, camera.focal,
-          camera.focal.with_distortion ? FocalSource::kGuess : FocalSource::kExif};
+          camera.focal.with_distortion ? FocalSource::kGuess : FocalSource::kExif,
+          /*may_be_cropped=*/IsCropped(photo)};
+}
+
+// A phone takes its photos in one size. A smaller one was reduced, or cut out of a larger one.
+class WholeSizes {
+ public:
+  explicit WholeSizes(const std::vector<PhotoLens>& photos) {
+    for (const PhotoLens& photo : photos) {
+      if (HasLens(photo)) {
+        int& longest = longest_px_of_lens_[LensOf(photo)];
+        longest = std::max(longest, LongerSidePx(photo));
+      }
+    }
+  }
+
+  // How many times longer the largest photos of the same kind of camera and focal length are.
+  double EnlargementOf(const PhotoLens& photo) const {
+    return HasLens(photo) ? static_cast<double>(longest_px_of_lens_.at(LensOf(photo))) /
+                                std::max(1, LongerSidePx(photo))
+                          : 1.0;
+  }
+
+ private:
+  using Lens = std::pair<uint64_t, double>;  // The kind of camera, 0: unknown; the focal length.
+
+  static bool HasLens(const PhotoLens& photo) { return photo.exif.focal_35mm.has_value(); }
+  static Lens LensOf(const PhotoLens& photo) {
+    return {photo.exif.camera_kind, *photo.exif.focal_35mm};
+  }
+  static int LongerSidePx(const PhotoLens& photo) {
+    return std::max(photo.width_px, photo.height_px);
+  }
+
+  std::map<Lens, int> longest_px_of_lens_;
+};
+
+// If the photo was cut out, its focal length is `enlargement` times that of its EXIF.
+void DoubtSize(double enlargement, MappingCamera* camera) {
+  camera->may_be_cropped = true;
+  camera->focal.log_sigma =
+      std::min(FocalPrior::kUnknownLogSigma, camera->focal.log_sigma + 0.5 * std::log(enlargement));
 }
 
 }  // namespace
@@ -84,28 +125,29 @@ CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
   for (const PhotoLens& photo : photos) {
     ++num_of_size[{photo.width_px, photo.height_px}];
   }
-  // Size, kind, focal length, whether it was cropped, and the photo itself if it shares nothing.
-  using Key = std::tuple<int, int, uint64_t, double, bool, size_t>;
+  // Size, kind, focal length, and the photo itself if it shares nothing.
+  using Key = std::tuple<int, int, uint64_t, double, size_t>;
   std::map<Key, int> group_of;
   int num_cropped = 0, num_other_size = 0;
+  const WholeSizes whole_sizes(photos);
   for (size_t i = 0; i < photos.size(); ++i) {
     const PhotoLens& photo = photos[i];
     MappingCamera camera = CameraOf(photo, calibrated);
+    const double enlargement = whole_sizes.EnlargementOf(photo);
+    if (camera.source == FocalSource::kExif && enlargement > 1.0) {
+      DoubtSize(enlargement, &camera);
+    }
     const bool is_known = camera.source == FocalSource::kCalibration;
-    const bool is_cropped = !is_known && IsCropped(photo) && photo.exif.focal_35mm;
-    num_cropped += is_cropped ? 1 : 0;
+    num_cropped += !is_known && IsCropped(photo) && photo.exif.focal_35mm ? 1 : 0;
     num_other_size += !calibrated.empty() && !is_known ? 1 : 0;
     const bool is_anonymous = photo.exif.camera_kind == 0 && !photo.exif.focal_35mm;
-    const bool is_alone =
-        !is_known &&
-        ((is_anonymous && 2 * num_of_size[{photo.width_px, photo.height_px}] < photos.size()) ||
-         is_cropped);
-    const Key key = {photo.width_px,
-                     photo.height_px,
-                     is_known ? 0 : photo.exif.camera_kind,
+    if (!is_known && is_anonymous &&
+        2 * num_of_size[{photo.width_px, photo.height_px}] < photos.size()) {
+      camera.may_be_cropped = true;
+    }
+    const Key key = {photo.width_px, photo.height_px, is_known ? 0 : photo.exif.camera_kind,
                      is_known ? 0.0 : photo.exif.focal_35mm.value_or(0.0),
-                     is_cropped,
-                     is_alone ? i + 1 : 0};
+                     camera.may_be_cropped ? i + 1 : 0};
     const auto [group, is_new] = group_of.try_emplace(key, static_cast<int>(groups.cameras.size()));
     if (is_new) {
       groups.cameras.push_back(std::move(camera));

@@ -31,7 +31,11 @@ struct CameraGroups {
 //
 // `calibrated` are known cameras. A photo of the size of one of them takes it; of another size with
 // the same sides' ratio, it takes the camera scaled; others, and all if there is none, the focal
-// length of their EXIF, or else a guess. The EXIF of a photo that was cropped says nothing.
+// length of their EXIF, or else a guess. The EXIF of a photo that was cropped says nothing. A photo
+// that is smaller than others of its kind and focal length may be cropped: then its focal length is
+// that of its EXIF times the ratio of the sides, and the prior covers both. So may
+// one without a kind and without a focal length, unless it is a frame of a recording. Photos that
+// may be cropped share no camera, since each may be another part.
 CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
                           const std::vector<Camera>& calibrated);
 

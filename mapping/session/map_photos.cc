@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "mapping/matching/calibrate_guesses.h"
 #include "mapping/matching/correct_focals.h"
 #include "mapping/matching/settle_planes.h"
+#include "mapping/session/edited_photos.h"
 #include "mapping/session/photo_places.h"
 #include "mapping/session/stage_clock.h"
 #include "mapping/session/stage_codec.h"
@@ -362,16 +364,8 @@ void Mapper::ReportCameras() {
           {result_.model.cameras[i], before.camera.focal_px(), before.source, num_photos[i]});
     }
   }
-  const auto num_corrected = std::ranges::count_if(folder_.set.photos, [&](const auto& photo) {
-    return cameras_as_read_[photo.camera_idx].source == FocalSource::kExif &&
-           folder_.set.cameras[photo.camera_idx].source == FocalSource::kPhotos;
-  });
-  if (num_corrected > 0) {
-    result_.notes.push_back(fmt::format(
-        "the focal length in the EXIF of {} photos contradicts what they show and does not count; "
-        "perhaps they were cropped or enlarged after they were taken",
-        num_corrected));
-  }
+  std::ranges::move(NotesOnEditedPhotos(result_.model, cameras_as_read_),
+                    std::back_inserter(result_.notes));
 }
 
 void Mapper::ReportLeftOut(const Growth& growth) {

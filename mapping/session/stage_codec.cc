@@ -189,6 +189,7 @@ std::vector<uint8_t> EncodeCameras(std::span<const MappingCamera> cameras) {
     writer.Put<double>(camera.focal.log_sigma);
     writer.Put<uint8_t>(camera.focal.with_distortion ? 1 : 0);
     writer.Put<uint8_t>(static_cast<uint8_t>(camera.source));
+    writer.Put<uint8_t>(camera.may_be_cropped ? 1 : 0);
   }
   return bytes;
 }
@@ -205,12 +206,14 @@ std::vector<MappingCamera> DecodeCameras(std::span<const uint8_t> bytes, const P
     camera.focal.log_sigma = reader.Get<double>();
     camera.focal.with_distortion = reader.Get<uint8_t>() != 0;
     const uint8_t source = reader.Get<uint8_t>();
-    if (source > static_cast<uint8_t>(FocalSource::kPhotos) ||
+    const uint8_t may_be_cropped = reader.Get<uint8_t>();
+    if (source > static_cast<uint8_t>(FocalSource::kPhotos) || may_be_cropped > 1 ||
         camera.camera.width_px() != known.camera.width_px() ||
         camera.camera.height_px() != known.camera.height_px()) {
       ThrowDamaged(what);
     }
     camera.source = static_cast<FocalSource>(source);
+    camera.may_be_cropped = may_be_cropped == 1;
     cameras.push_back(std::move(camera));
   }
   return cameras;

@@ -35,12 +35,16 @@ std::vector<Camera> Cameras() {
 
 const Eigen::Vector3d kPoint(1.1, 0.4, 1.3);
 
+CameraUnknowns Unknowns(double log_focal_ratio, double k1, double k2, double x_px, double y_px) {
+  return (CameraUnknowns() << log_focal_ratio, k1, k2, x_px, y_px).finished();
+}
+
 // The residual after the pose moved along the manifold by the last six of `delta`, the point by the
-// first three, the camera by the three in between.
+// first three, the camera by the five in between.
 Eigen::Vector2d Residual(const ReprojectionCost& cost, const CameraUnknowns& unknowns,
-                         const Eigen::Matrix<double, 12, 1>& delta) {
+                         const Eigen::Matrix<double, 14, 1>& delta) {
   const Eigen::Vector3d point = kPoint + delta.head<3>();
-  const CameraUnknowns camera = unknowns + delta.segment<3>(3);
+  const CameraUnknowns camera = unknowns + delta.segment<kCameraSize>(3);
   const Pose pose = SomePose();
   Pose moved;
   const Eigen::Matrix<double, 6, 1> motion = delta.tail<6>();
@@ -55,18 +59,19 @@ TEST(ReprojectionCost, HasTheDerivativesOfNumericDifferentiation) {
   for (const Camera& camera : Cameras()) {
     SCOPED_TRACE(CameraModelName(camera.model()));
     const AdjustableCamera adjustable(camera);
-    const CameraUnknowns unknowns = adjustable.start() + CameraUnknowns(0.05, 0.01, -0.02);
+    const CameraUnknowns unknowns = adjustable.start() + Unknowns(0.05, 0.01, -0.02, 7.0, -5.0);
     const ReprojectionCost cost(&adjustable, {300.0, 200.0}, 0.7);
     const Pose pose = SomePose();
     const double* parameters[] = {kPoint.data(), pose.data(), unknowns.data()};
     Eigen::Vector2d residual;
-    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point, by_camera;
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
+    Eigen::Matrix<double, 2, kCameraSize, Eigen::RowMajor> by_camera;
     Eigen::Matrix<double, 2, 7, Eigen::RowMajor> by_pose;
     double* jacobians[] = {by_point.data(), by_pose.data(), by_camera.data()};
     ASSERT_TRUE(cost.Evaluate(parameters, residual.data(), jacobians));
-    Eigen::Matrix<double, 2, 12> analytic;
+    Eigen::Matrix<double, 2, 14> analytic;
     analytic << by_point, by_camera, by_pose.leftCols<6>();
-    const auto numeric = testing::NumericJacobian<2, 12>(
+    const auto numeric = testing::NumericJacobian<2, 14>(
         [&](const auto& delta) { return Residual(cost, unknowns, delta); });
     EXPECT_LT((analytic - numeric).norm(), 1e-6 * numeric.norm());
     EXPECT_TRUE(by_pose.col(6).isZero());
@@ -129,9 +134,9 @@ TEST(AdjustableCamera, ProjectsAsTheCameraThatItBecomes) {
   for (const Camera& camera : Cameras()) {
     SCOPED_TRACE(CameraModelName(camera.model()));
     const AdjustableCamera adjustable(camera);
-    CameraUnknowns unknowns = adjustable.start() + CameraUnknowns(0.05, 0.0, 0.0);
+    CameraUnknowns unknowns = adjustable.start() + Unknowns(0.05, 0.0, 0.0, 7.0, -5.0);
     if (adjustable.has_free_distortion()) {
-      unknowns.tail<2>() += Eigen::Vector2d(0.01, -0.02);
+      unknowns.segment<2>(1) += Eigen::Vector2d(0.01, -0.02);
     }
     Eigen::Vector2d pixel;
     ASSERT_TRUE(adjustable.Project(unknowns, {0.3, -0.2, 1.0}, &pixel, nullptr, nullptr));
@@ -143,8 +148,8 @@ TEST(AdjustableCamera, ProjectsAsTheCameraThatItBecomes) {
 
 TEST(AdjustableCamera, KeepsItsModelWithoutDistortion) {
   const AdjustableCamera adjustable(Cameras()[1]);
-  EXPECT_EQ(adjustable.With({0.1, 0.0, 0.0}).model(), CameraModel::kPinhole);
-  EXPECT_EQ(adjustable.With({0.1, 0.1, 0.0}).model(), CameraModel::kOpenCv);
+  EXPECT_EQ(adjustable.With(Unknowns(0.1, 0.0, 0.0, 3.0, 2.0)).model(), CameraModel::kPinhole);
+  EXPECT_EQ(adjustable.With(Unknowns(0.1, 0.1, 0.0, 3.0, 2.0)).model(), CameraModel::kOpenCv);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/focal_length.h"
 #include "ingest/colmap/colmap_reader.h"
 #include "support/test_data.h"
 
@@ -142,6 +143,33 @@ TEST(Adjust, FindsTheFocalLengthAndTheDistortion) {
   ASSERT_EQ(model.cameras[0].model(), CameraModel::kRadial);
   EXPECT_NEAR(params[0], 500.0, 3.0);
   EXPECT_NEAR(params[3], -0.12, 0.02);
+}
+
+// A picture that somebody cut out of another: its keypoints stand elsewhere in it.
+TEST(Adjust, FindsThePrincipalPointOfACroppedPicture) {
+  Scene scene = MakeScene(0.2, Pinhole());
+  scene.truth.cameras.push_back(Pinhole());
+  scene.truth.images[3].camera_idx = 1;
+  const Eigen::Vector2d moved_px(-90.0, 40.0);
+  for (Keypoint& keypoint : scene.truth.images[3].features.keypoints) {
+    keypoint.x_px += static_cast<float>(moved_px.x());
+    keypoint.y_px += static_cast<float>(moved_px.y());
+  }
+  const auto error_of = [&](CameraFreedom freedom, Reconstruction* model) {
+    *model = scene.truth;
+    const CameraFreedom freedoms[] = {CameraFreedom::kFixed, freedom};
+    AdjustPriors priors;
+    priors.focal_sigma_of_camera = {0.0, 0.15};
+    AdjustOptions options;
+    options.max_error_sigmas = 100.0;
+    Adjust(freedoms, priors, options, *model);
+    return ErrorsAligned(CentersOf(*model), CentersOf(scene.truth))[3];
+  };
+  Reconstruction model;
+  EXPECT_LT(error_of(CameraFreedom::kWithPrincipalPoint, &model), 0.03);
+  const Eigen::Vector2d expected = PrincipalPointPx(Pinhole()) + moved_px;
+  EXPECT_LT((PrincipalPointPx(model.cameras[1]) - expected).norm(), 8.0);
+  EXPECT_GT(error_of(CameraFreedom::kFocalAndDistortion, &model), 0.06);
 }
 
 TEST(Adjust, HoldsTheFocalLengthThatIsFixed) {

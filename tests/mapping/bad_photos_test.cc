@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <regex>
 #include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "core/file_bytes.h"
@@ -29,6 +32,8 @@ using testing::PhotoScene;
 using testing::Shot;
 using testing::Walk;
 
+constexpr const char* kFountain = "facades_strecha/fountain-P11";
+
 class BadPhotos : public ::testing::Test {
  protected:
   MappedPhotos Map(const std::vector<Shot>& shots) const { return Map(PhotoScene(7), shots); }
@@ -44,6 +49,30 @@ class BadPhotos : public ::testing::Test {
     MappingOptions options;
     options.sift.max_features = 1000;
     return MapPhotos(input, options, {});
+  }
+
+  // Maps the fountain's 11 photos after `edit(index, photo, &keeps_exif)`, with their true
+  // positions.
+  MappedPhotos MapFountain(
+      const std::function<GrayImage(int, const GrayImage&, bool*)>& edit) const {
+    const std::filesystem::path fountain = testing::TestDataDir() / kFountain;
+    std::filesystem::create_directories(dir_.path() / "photos");
+    testing::ExifContent exif;
+    exif.focal_35mm = 32;
+    for (int i = 0; i < 11; ++i) {
+      GrayImage image = ReduceByArea(
+          ReadGrayImage((fountain / "images" / fmt::format("{:04}.jpg", i)).string()), 768 * 512);
+      image.full.reset();
+      bool keeps_exif = true;
+      const std::vector<uint8_t> png = EncodePng(edit(i, image, &keeps_exif));
+      testing::WriteBytes(
+          dir_.path() / "photos" / fmt::format("{:04}.png", i),
+          keeps_exif ? testing::PngWithExifBlock(png, testing::ExifBlock(exif)) : png);
+    }
+    const std::string table = ReadTextFile((fountain / "georef_exact.csv").string(), 1 << 20);
+    std::ofstream(dir_.File("positions.csv")) << std::regex_replace(
+        std::regex_replace(table, std::regex("[.]jpg"), ".png"), std::regex(",0[.]01\n"), ",0.5\n");
+    return MapFolder(dir_.File("positions.csv"));
   }
 
   std::string RefusalOf(const std::vector<Shot>& shots) const {
@@ -109,16 +138,18 @@ void ExpectRight(const MappedPhotos& mapped, const std::vector<Shot>& shots) {
   EXPECT_LT(errors.turned_rad, 0.35);
 }
 
-GrayImage MiddleOf(const GrayImage& image, double crop) {
-  GrayImage middle =
+// A part of an image whose sides are `crop` times shorter. `across` and `down` say where it is: 0
+// is the left or upper edge, 0.5 the middle, 1 the right or lower edge.
+GrayImage PartOf(const GrayImage& image, double crop, double across, double down) {
+  GrayImage part =
       BlankImage(std::lround(image.width_px / crop), std::lround(image.height_px / crop));
-  const int left = (image.width_px - middle.width_px) / 2;
-  const int top = (image.height_px - middle.height_px) / 2;
-  for (int y = 0; y < middle.height_px; ++y) {
-    std::copy_n(image.pixels.begin() + (top + y) * image.width_px + left, middle.width_px,
-                middle.pixels.begin() + y * middle.width_px);
+  const int left = static_cast<int>(across * (image.width_px - part.width_px));
+  const int top = static_cast<int>(down * (image.height_px - part.height_px));
+  for (int y = 0; y < part.height_px; ++y) {
+    std::copy_n(image.pixels.begin() + (top + y) * image.width_px + left, part.width_px,
+                part.pixels.begin() + y * part.width_px);
   }
-  return middle;
+  return part;
 }
 
 // A flight. Its heights are those of GPS, 3 m off each, but its cameras say which way is up. Level
@@ -139,6 +170,13 @@ void ExpectMapped(const MappedPhotos& mapped, int least) {
     if (mapped.num_mapped < least) {
       ADD_FAILURE() << photo.name << ": " << photo.reason;
     }
+  }
+}
+
+void ExpectAtTheirPositions(const MappedPhotos& mapped, double max_error_m) {
+  for (size_t i = 0; i < mapped.center_of_photo.size(); ++i) {
+    ASSERT_TRUE(mapped.center_of_photo[i] && mapped.position_of_photo[i]);
+    EXPECT_LT((*mapped.center_of_photo[i] - *mapped.position_of_photo[i]).norm(), max_error_m) << i;
   }
 }
 
@@ -194,36 +232,35 @@ TEST_F(BadPhotos, ZoomedAndOfSeveralCameras) {
 // A program cropped every second photo and kept its EXIF, whose focal length is then 1.3 times too
 // short. Without a correction, three photos stay out and two of the others are 2 m off.
 TEST_F(BadPhotos, CroppedWithTheFocalLengthOfTheWholePicture) {
-  constexpr const char* kFountain = "facades_strecha/fountain-P11";
   CAIRN_SKIP_WITHOUT_DATA(kFountain);
-  const std::filesystem::path fountain = testing::TestDataDir() / kFountain;
-  testing::ExifContent exif;
-  exif.focal_35mm = 32;
-  for (int i = 0; i < 11; ++i) {
-    GrayImage image = ReduceByArea(
-        ReadGrayImage((fountain / "images" / fmt::format("{:04}.jpg", i)).string()), 768 * 512);
-    image.full.reset();
-    testing::WriteBytes(
-        dir_.path() / "photos" / fmt::format("{:04}.png", i),
-        testing::PngWithExifBlock(EncodePng(i % 2 == 0 ? image : MiddleOf(image, 1.3)),
-                                  testing::ExifBlock(exif)));
-  }
-  const std::string table = ReadTextFile((fountain / "georef_exact.csv").string(), 1 << 20);
-  std::ofstream(dir_.File("positions.csv")) << std::regex_replace(
-      std::regex_replace(table, std::regex("[.]jpg"), ".png"), std::regex(",0[.]01\n"), ",0.5\n");
-  const MappedPhotos mapped = MapFolder(dir_.File("positions.csv"));
+  const MappedPhotos mapped = MapFountain([](int i, const GrayImage& image, bool*) {
+    return i % 2 == 0 ? image : PartOf(image, 1.3, 0.5, 0.5);
+  });
   ExpectMapped(mapped, 11);
   EXPECT_THAT(mapped.notes, ::testing::Contains(HasSubstr("EXIF of 5 photos contradicts")));
-  for (size_t i = 0; i < mapped.center_of_photo.size(); ++i) {
-    ASSERT_TRUE(mapped.center_of_photo[i] && mapped.position_of_photo[i]);
-    EXPECT_LT((*mapped.center_of_photo[i] - *mapped.position_of_photo[i]).norm(), 0.1) << i;
-  }
+  ExpectAtTheirPositions(mapped, 0.1);
+  ASSERT_EQ(mapped.cameras.size(), 6u);
   for (const CameraReport& camera : mapped.cameras) {
-    const double factor = camera.num_photos == 5 ? 1.3 : 1.0;
+    const double factor = camera.num_photos == 1 ? 1.3 : 1.0;
     EXPECT_EQ(camera.source, FocalSource::kExif);
     EXPECT_NEAR(camera.camera.focal_px() / camera.focal_before_px, factor, 0.05);
   }
   EXPECT_THAT(mapped.stages, ::testing::Contains(::testing::Field(&StageCost::name, "EXIF check")));
+}
+
+// People cut out what they like. With the principal point in the middle of the part, the photos
+// stand up to 3 m off.
+TEST_F(BadPhotos, CroppedAnywhere) {
+  CAIRN_SKIP_WITHOUT_DATA(kFountain);
+  for (const bool has_exif : {true, false}) {
+    const MappedPhotos mapped = MapFountain([&](int i, const GrayImage& image, bool* keeps_exif) {
+      *keeps_exif = i % 4 != 1 || has_exif;
+      return i % 4 != 1 ? image : PartOf(image, 1.4, i == 5 ? 0.9 : 0.1, i == 1 ? 0.8 : 0.2);
+    });
+    ExpectMapped(mapped, 11);
+    ExpectAtTheirPositions(mapped, 0.15);
+    EXPECT_THAT(mapped.notes, ::testing::Contains(HasSubstr("3 photos are parts")));
+  }
 }
 
 // A program reduced some photos and kept their EXIF.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace cairn {
 namespace {
 
@@ -67,6 +69,27 @@ TEST(GroupCameras, TheFocalLengthOfACroppedPhotoIsAGuess) {
   EXPECT_EQ(groups.cameras.size(), 2u);
   EXPECT_EQ(groups.cameras[0].source, FocalSource::kGuess);
   EXPECT_EQ(groups.notes.size(), 1u);
+}
+
+TEST(GroupCameras, ASmallerPhotoMayBeCropped) {
+  const CameraGroups groups =
+      GroupCameras({LensOf(4000, 3000, 7, 26.0), LensOf(3000, 4000, 7, 26.0),
+                    LensOf(3200, 2400, 7, 26.0), LensOf(800, 600, 8, 26.0)},
+                   {});
+  ASSERT_EQ(groups.cameras.size(), 4u);
+  EXPECT_FALSE(groups.cameras[0].may_be_cropped);
+  EXPECT_FALSE(groups.cameras[1].may_be_cropped);
+  EXPECT_TRUE(groups.cameras[2].may_be_cropped);
+  EXPECT_FALSE(groups.cameras[3].may_be_cropped);
+  EXPECT_EQ(groups.cameras[2].source, FocalSource::kExif);
+  EXPECT_GT(groups.cameras[2].focal.log_sigma, 0.5 * std::log(1.25));
+}
+
+TEST(GroupCameras, EachPhotoOfASmallerSizeMayBeAnotherPart) {
+  const CameraGroups groups = GroupCameras(
+      {LensOf(4000, 3000, 7, 26.0), LensOf(2000, 1500, 7, 26.0), LensOf(2000, 1500, 7, 26.0)}, {});
+  ASSERT_EQ(groups.cameras.size(), 3u);
+  EXPECT_TRUE(groups.cameras[2].may_be_cropped);
 }
 
 TEST(GroupCameras, TheFocalLengthOfAReducedPhotoCounts) {
