@@ -53,9 +53,9 @@ class HttpOutOfMemory : public testing::ServerFixture {
     if (pid_ == 0) {
       Serve(Options(), pipe_fds[1]);
     }
+    close(pipe_fds[1]);  // Before reading, which otherwise waits for ever for a server that died.
     ASSERT_EQ(read(pipe_fds[0], &port_, sizeof(port_)), static_cast<ssize_t>(sizeof(port_)));
     close(pipe_fds[0]);
-    close(pipe_fds[1]);
   }
   static void TearDownTestSuite() {
     kill(pid_, SIGKILL);
