@@ -55,9 +55,9 @@ struct AdjustOptions {
   // take photos with bend the corner of a picture, at a radius of 0.6, by some percent. It decides
   // only where the photos do not show the distortion.
   double distortion_sigma = 0.2;
-  // Scale of Cauchy's loss on the shift of the principal point from its mean, in lengths of the
-  // picture's longer side, where it is free: that of a whole picture is near its middle, that of a
-  // part may be anywhere.
+  // Scale of Cauchy's loss on the shift of the principal point from its mean, where it is free, in
+  // lengths of the picture's longer side. A whole picture has its principal point near its middle,
+  // and a part of a picture may have it anywhere.
   double principal_point_loss_scale = 0.01;
   int max_iterations = 50;
   // The solver stops when the cost falls by less than this share.

@@ -12,11 +12,11 @@ namespace cairn {
 inline constexpr int kMinPhotosToCalibrate = 10;
 
 // The freedom of a camera that `num_photos` photos of the adjusted model have. Given intrinsics
-// stay. Of a picture that may be cropped, all is adjusted. That of EXIF is adjusted only if
-// `is_final` and kMinPhotosToCalibrate photos have the camera, then with the distortion. A focal
-// length that is a guess, or told by the photos, is always adjusted, and if `is_final` with the
-// distortion: photos that nobody knows anything about were taken by many cameras, and what bends
-// one picture would bend the scene.
+// stay. If a picture may be cropped, its focal length, distortion and principal point are always
+// adjusted. A focal length of EXIF is adjusted only if `is_final` and kMinPhotosToCalibrate photos
+// have the camera, then with the distortion. A focal length that is a guess, or told by the photos,
+// is always adjusted, and if `is_final` with the distortion: photos that nobody knows anything
+// about were taken by many cameras, and what bends one picture would bend the scene.
 inline CameraFreedom FreedomOf(const MappingCamera& camera, int num_photos, bool is_final) {
   if (camera.source == FocalSource::kCalibration || num_photos == 0) {
     return CameraFreedom::kFixed;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "mapping/pairs/find_pairs.h"
 #include "support/street_photos.h"
@@ -102,14 +101,7 @@ TEST(GrowSegments, PositionsTellCopiesOfAFacadeApart) {
   options.max_view_distance_m = 24.0;
   const Reconstruction street = testing::StreetWorld(options).Reconstruct();
   PhotoSet set = testing::PhotosOf(street);
-  std::mt19937_64 rng(5);
-  std::normal_distribution<double> noise(0.0, 2.0);
-  for (size_t i = 0; i < set.photos.size(); ++i) {
-    const Eigen::Vector3d x_in_ecef = EcefFromGeodetic(*street.images[i].gps) +
-                                      Eigen::Vector3d(noise(rng), noise(rng), noise(rng));
-    set.photos[i].gps = GeodeticFromEcef(x_in_ecef);
-    set.photos[i].gps_accuracy_m = 3.0;
-  }
+  testing::AddNoisyPositions(street, 2.0, 3.0, 5, &set);
   const Growth growth = Grow(set);
   size_t num_photos = 0;
   for (const Segment& segment : growth.segments) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
 #include "mapping/growth/grow_segments.h"
@@ -141,14 +140,7 @@ TEST(JoinSegments, PositionsKeepCopiesApart) {
   options.max_view_distance_m = 24.0;
   const Reconstruction street = testing::StreetWorld(options).Reconstruct();
   PhotoSet set = testing::PhotosOf(street);
-  std::mt19937_64 rng(9);
-  std::normal_distribution<double> noise(0.0, 3.3);
-  for (size_t i = 0; i < set.photos.size(); ++i) {
-    const Eigen::Vector3d x_in_ecef = EcefFromGeodetic(*street.images[i].gps) +
-                                      Eigen::Vector3d(noise(rng), noise(rng), noise(rng));
-    set.photos[i].gps = GeodeticFromEcef(x_in_ecef);
-    set.photos[i].gps_accuracy_m = 5.0;
-  }
+  testing::AddNoisyPositions(street, 3.3, 5.0, 9, &set);
   const Growth growth = Grow(set, FindTwoViews(set, FindPairs(set, {}), {}));
   size_t num_photos = 0;
   for (const Segment& segment : growth.segments) {

@@ -3,8 +3,11 @@
 #define CAIRN_TESTS_SUPPORT_STREET_PHOTOS_H_
 
 #include <algorithm>
+#include <cstdint>
+#include <random>
 #include <vector>
 
+#include "core/geodesy.h"
 #include "core/rigid3.h"
 #include "mapping/photo_set.h"
 #include "support/reconstruction_builder.h"
@@ -26,6 +29,19 @@ inline PhotoSet PhotosOf(const Reconstruction& street) {
     set.photos.push_back(std::move(photo));
   }
   return set;
+}
+
+// Gives the photos the positions of the street with a normal error along each axis of ECEF.
+inline void AddNoisyPositions(const Reconstruction& street, double sigma_m, double accuracy_m,
+                              uint64_t seed, PhotoSet* set) {
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> noise(0.0, sigma_m);
+  for (size_t i = 0; i < set->photos.size(); ++i) {
+    const Eigen::Vector3d x_in_ecef = EcefFromGeodetic(*street.images[i].gps) +
+                                      Eigen::Vector3d(noise(rng), noise(rng), noise(rng));
+    set->photos[i].gps = GeodeticFromEcef(x_in_ecef);
+    set->photos[i].gps_accuracy_m = accuracy_m;
+  }
 }
 
 // The largest distance between true centers and centers of a segment under the similarity that fits
