@@ -45,11 +45,18 @@ std::optional<ReferenceAlignment> AlignToMap(const Reconstruction& reconstructio
     return std::nullopt;
   }
   LogInfo(
-      "reference: the model, aligned to {} images of the map; residual {:.4f} m median, "
+      "reference: the model, aligned to {} of {} images of the map; residual {:.4f} m median, "
       "{:.4f} m largest; the radii of answers are judged with {:.4f} m and {:.4f} deg of the "
       "reference",
-      alignment->num_shared_images, alignment->median_residual_m, alignment->max_residual_m,
-      alignment->radius68_m, kDegPerRad * alignment->radius68_rad);
+      alignment->num_fitting_images, alignment->num_shared_images, alignment->median_residual_m,
+      alignment->max_residual_m, alignment->radius68_m, kDegPerRad * alignment->radius68_rad);
+  if (alignment->num_fitting_images < alignment->num_shared_images &&
+      alignment->max_residual_m > kMaxAlignmentResidualM) {
+    LogWarning(
+        "{} images of the map do not stand where the model has them, by up to {:.2f} m; answers "
+        "there are judged by the model",
+        alignment->num_shared_images - alignment->num_fitting_images, alignment->max_residual_m);
+  }
   return alignment;
 }
 

@@ -2,16 +2,26 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <string>
 #include <unordered_map>
 #include <utility>
 
+#include "core/random.h"
+#include "core/statistics.h"
 #include "eval/evaluation_bootstrap.h"
 
 namespace cairn {
 namespace {
 
 constexpr double kShareOfRadius68 = 0.68;
+// Pairs of images that are drawn: a quarter are of two images that fit if half of the images do.
+constexpr int kNumSamples = 200;
+constexpr uint64_t kSeed = 1;
+constexpr double kMaxSigmas = 3.0;
+constexpr double kSigmaOfMedian = 1.4826;
+constexpr double kExactM = 1e-3;  // Images that are nearer than this always fit.
 
 // One image with its poses in the reconstruction and in the map.
 struct SharedImage {
@@ -79,6 +89,44 @@ std::optional<Sim3d> FitScaleAndTranslation(const std::vector<SharedImage>& shar
   return fit;
 }
 
+std::optional<Sim3d> FitAll(const std::vector<SharedImage>& images) {
+  return FitScaleAndTranslation(images, MeanRotation(images));
+}
+
+double DistanceM(const SharedImage& image, const Sim3d& ecef_from_world) {
+  return (ecef_from_world * image.CenterInWorld() - image.CenterInEcef()).norm();
+}
+
+double MedianDistanceM(const std::vector<SharedImage>& shared, const Sim3d& ecef_from_world) {
+  std::vector<double> distances_m;
+  for (const SharedImage& image : shared) {
+    distances_m.push_back(DistanceM(image, ecef_from_world));
+  }
+  return Median(std::move(distances_m));
+}
+
+// The images near the alignment that has the least median distance, by all images or by two.
+std::vector<SharedImage> FindFitting(const std::vector<SharedImage>& shared) {
+  Random random(kSeed);
+  std::optional<Sim3d> best = FitAll(shared);
+  double least_m = best ? MedianDistanceM(shared, *best) : std::numeric_limits<double>::infinity();
+  const int count = static_cast<int>(shared.size());
+  for (int i = 0; i < kNumSamples; ++i) {
+    const int p = random.Index(count), q = random.Index(count);
+    const std::optional<Sim3d> fit = p != q ? FitAll({shared[p], shared[q]}) : std::nullopt;
+    const double median_m = fit ? MedianDistanceM(shared, *fit) : least_m;
+    if (median_m < least_m) {
+      least_m = median_m;
+      best = fit;
+    }
+  }
+  std::vector<SharedImage> fitting;
+  const double max_m = std::max(kExactM, kMaxSigmas * kSigmaOfMedian * least_m);
+  std::copy_if(shared.begin(), shared.end(), std::back_inserter(fitting),
+               [&](const SharedImage& image) { return best && DistanceM(image, *best) <= max_m; });
+  return fitting;
+}
+
 }  // namespace
 
 std::optional<ReferenceAlignment> AlignToKeyframes(const Reconstruction& reconstruction,
@@ -87,13 +135,15 @@ std::optional<ReferenceAlignment> AlignToKeyframes(const Reconstruction& reconst
   if (shared.size() < 3) {
     return std::nullopt;
   }
-  const std::optional<Sim3d> ecef_from_world = FitScaleAndTranslation(shared, MeanRotation(shared));
+  const std::vector<SharedImage> fitting = FindFitting(shared);
+  const std::optional<Sim3d> ecef_from_world = fitting.empty() ? std::nullopt : FitAll(fitting);
   if (!ecef_from_world) {
     return std::nullopt;
   }
   ReferenceAlignment alignment;
   alignment.ecef_from_world = *ecef_from_world;
   alignment.num_shared_images = static_cast<int>(shared.size());
+  alignment.num_fitting_images = static_cast<int>(fitting.size());
   std::vector<double> residuals_m, residuals_rad;
   for (const SharedImage& image : shared) {
     const Rigid3d aligned = CamFromTarget(image.cam_from_world, *ecef_from_world);

@@ -14,7 +14,8 @@ namespace cairn {
 struct ReferenceAlignment {
   Sim3d ecef_from_world;
   int num_shared_images = 0;
-  // Distances between the camera centers of the shared images after alignment.
+  int num_fitting_images = 0;  // Of the shared images: those that the alignment is fitted to.
+  // Distances between the camera centers of all shared images after alignment.
   double median_residual_m = 0.0;
   double radius68_m = 0.0;  // 68 % are less: how far the two differ in shape.
   double max_residual_m = 0.0;
@@ -25,8 +26,11 @@ struct ReferenceAlignment {
 // Aligns the reconstruction by the poses of the images that it shares with the map by name. A map
 // made from a part of the reconstruction fits without residual. The rest of the reconstruction then
 // is an exact reference, independent of the error of the positions that placed the map. Rotations
-// fix the orientation, so cameras along a line suffice. Returns nothing if fewer than three images
-// are shared or if their centers coincide. Ignores keyframes whose name occurs twice.
+// fix the orientation, so cameras along a line suffice. A part of the map that stands elsewhere,
+// such as a segment with positions of its own, pulls nothing: the fit has the least median of
+// distances, and then takes the images within three standard deviations of it. Returns nothing if
+// fewer than three images are shared or if their centers coincide. Ignores keyframes whose name
+// occurs twice.
 std::optional<ReferenceAlignment> AlignToKeyframes(const Reconstruction& reconstruction,
                                                    const std::vector<KeyframeRecord>& keyframes);
 

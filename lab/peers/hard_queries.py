@@ -74,6 +74,7 @@ def parse_arguments():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--prior-noise", type=float, nargs="+", default=[10.0],
                         help="standard deviations of the prior, meters")
+    parser.add_argument("--up", help="as in `cairn ingest`, for maps whose positions do not tell")
     parser.add_argument("--min-score", help="as in `cairn eval`")
     parser.add_argument("--leave-out", nargs="+", default=[], metavar="NAME",
                         help="photos that the model misplaces: mapped, but not queried")
@@ -121,7 +122,7 @@ def make_map(arguments, photos, mapped, path):
     unfinished.unlink(missing_ok=True)
     run(arguments.cairn, "init", unfinished)
     run(arguments.cairn, "ingest", unfinished, "--images", listed, "--model", model,
-        "--database", database, "--georef", positions)
+        "--database", database, "--georef", positions, *(("--up", arguments.up) if arguments.up else ()))
     unfinished.rename(path)
 
 

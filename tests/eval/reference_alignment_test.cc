@@ -81,6 +81,26 @@ TEST_F(ReferenceAlignmentTest, ReportsWhatDoesNotFit) {
   EXPECT_GT(alignment->max_residual_rad, 0.15);
 }
 
+// A segment of the map with positions of its own stands elsewhere, and pulls nothing.
+TEST_F(ReferenceAlignmentTest, APartElsewhereDoesNotMoveTheReference) {
+  const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
+  const Rigid3d elsewhere(none, Eigen::Vector3d(2.0, -3.0, 1.0));
+  std::vector<KeyframeRecord> keyframes;
+  for (int i = 0; i < 10; ++i) {
+    keyframes.push_back(Keyframe(i));
+    if (i >= 6) {
+      keyframes.back().cam_from_ecef = keyframes.back().cam_from_ecef * elsewhere;
+    }
+  }
+  const auto alignment = AlignToKeyframes(reconstruction_, keyframes);
+  ASSERT_TRUE(alignment);
+  EXPECT_EQ(alignment->num_shared_images, 10);
+  EXPECT_EQ(alignment->num_fitting_images, 6);
+  EXPECT_NEAR(alignment->ecef_from_world.scale, ecef_from_world_.scale, 1e-8);
+  EXPECT_LT(alignment->median_residual_m, 1e-6);
+  EXPECT_NEAR(alignment->max_residual_m, elsewhere.translation.norm(), 1e-6);
+}
+
 // A map of another shape than the model: its radii are compared with errors of both.
 TEST_F(ReferenceAlignmentTest, TellsHowFarTheShapesDiffer) {
   std::vector<KeyframeRecord> keyframes;
