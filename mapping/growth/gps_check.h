@@ -37,6 +37,9 @@ class GpsCheck {
   // moves all photos from one on by the same vector, which may be too short for Contradicts().
   std::vector<int> BeyondStep() const;
 
+  // True if the positions determine where the draft is.
+  bool KnowsPlace() const { return enu_from_world_.has_value(); }
+
   // How many times what they state the positions err, about the fit to all of them or to most; at
   // least 1, also if nothing is checked.
   double noise_of_stated() const { return noise_of_stated_; }

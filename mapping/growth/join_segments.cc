@@ -23,8 +23,10 @@ constexpr int kMinSharedPoints = 10;
 // Two views between two segments that must fit, and the photos of each segment that they are of.
 constexpr int kMinBridges = 3;
 constexpr int kMinBridgePhotos = 2;
-// The two views that fit have this many times the inliers of those that do not.
+// The two views that fit have this many times the inliers of those that do not; and if positions
+// tell the places of both segments, and so would contradict a wrong union, this many.
 constexpr int kBridgesBeyondDoubt = 4;
+constexpr int kBridgesWithPlaces = 2;
 // A union loses at most this share of the photos of its smaller segment.
 constexpr double kMaxLostShare = 0.1;
 // Two segments whose positions err by so much more in the union than in each of them are not where
@@ -140,7 +142,7 @@ class Joiner {
 
   // The draft of both segments if they belong together.
   std::optional<Draft> TryJoin(const Segment& a, const Segment& b, const Bridges& bridges) const {
-    if (!IsEnough(Weigh(bridges, [](const TwoView&) { return true; }))) {
+    if (!IsEnough(Weigh(bridges, [](const TwoView&) { return true; }), kBridgesBeyondDoubt)) {
       return std::nullopt;
     }
     const uint64_t seed = HashWord(scene_.options.seed ^
@@ -151,7 +153,9 @@ class Joiner {
       return std::nullopt;
     }
     Draft draft = Unite(a, b, alignment->b_from_a.Inverse());
-    if (!AdjustUnion(a, b, &draft) || !IsWitnessed(bridges, draft) || LosesMany(a, b, &draft)) {
+    const std::array<GpsCheck, 2> gps = {MakeGpsCheck(DraftOf(a)), MakeGpsCheck(DraftOf(b))};
+    if (!AdjustUnion(a, b, &draft) || !IsWitnessed(bridges, gps, draft) ||
+        LosesMany(a, b, gps, &draft)) {
       return std::nullopt;
     }
     return draft;
@@ -181,24 +185,28 @@ class Joiner {
     return evidence;
   }
 
-  bool IsEnough(const BridgeEvidence& evidence) const {
+  bool IsEnough(const BridgeEvidence& evidence, int beyond_doubt) const {
     return evidence.num_views >= kMinBridges &&
            evidence.num_strong_views >= scene_.options.min_witnesses &&
            evidence.photos[0].size() >= kMinBridgePhotos &&
            evidence.photos[1].size() >= kMinBridgePhotos &&
-           evidence.fitting_inliers >= kBridgesBeyondDoubt * evidence.other_inliers;
+           evidence.fitting_inliers >= beyond_doubt * evidence.other_inliers;
   }
 
-  bool IsWitnessed(const Bridges& bridges, const Draft& draft) const {
-    return IsEnough(Weigh(bridges, [&](const TwoView& view) {
+  // `gps`: of each segment alone.
+  bool IsWitnessed(const Bridges& bridges, const std::array<GpsCheck, 2>& gps,
+                   const Draft& draft) const {
+    const bool know_places = gps[0].KnowsPlace() && gps[1].KnowsPlace();
+    const BridgeEvidence evidence = Weigh(bridges, [&](const TwoView& view) {
       return scene_.graph.MostInliersFit(view, {draft.PoseOf(view.a), draft.CameraOf(view.a)},
                                          {draft.PoseOf(view.b), draft.CameraOf(view.b)});
-    }));
+    });
+    return IsEnough(evidence, know_places ? kBridgesWithPlaces : kBridgesBeyondDoubt);
   }
 
   // Both segments in the world of a, with the landmarks that both see.
   Draft Unite(const Segment& a, const Segment& b, const Sim3d& a_from_b) const {
-    Draft draft(scene_.set, scene_.tracks, a, scene_.options.num_threads);
+    Draft draft = DraftOf(a);
     for (size_t i = 0; i < b.photo_of_image.size(); ++i) {
       const int camera = b.model.images[i].camera_idx;
       if (draft.IsNewCamera(camera)) {
@@ -227,13 +235,13 @@ class Joiner {
   }
 
   // True if the positions show that one of the segments is elsewhere.
-  bool IsElsewhere(const Segment& a, const Segment& b, const GpsCheck& gps) const {
-    double noise = 1.0;
-    for (const Segment* part : {&a, &b}) {
-      const Draft draft(scene_.set, scene_.tracks, *part, scene_.options.num_threads);
-      noise = std::max(noise, MakeGpsCheck(draft).noise_of_stated());
-    }
+  static bool IsElsewhere(const std::array<GpsCheck, 2>& of_parts, const GpsCheck& gps) {
+    const double noise = std::max(of_parts[0].noise_of_stated(), of_parts[1].noise_of_stated());
     return gps.noise_of_stated() > kMaxNoiseGrowth * noise || !gps.BeyondStep().empty();
+  }
+
+  Draft DraftOf(const Segment& segment) const {
+    return Draft(scene_.set, scene_.tracks, segment, scene_.options.num_threads);
   }
 
   GpsCheck MakeGpsCheck(const Draft& draft) const {
@@ -242,9 +250,10 @@ class Joiner {
 
   // Removes photos that lost their landmarks or whose positions contradict the union. True if there
   // are many of them, or if a segment is elsewhere.
-  bool LosesMany(const Segment& a, const Segment& b, Draft* draft) const {
+  bool LosesMany(const Segment& a, const Segment& b, const std::array<GpsCheck, 2>& of_parts,
+                 Draft* draft) const {
     const GpsCheck gps = MakeGpsCheck(*draft);
-    if (IsElsewhere(a, b, gps)) {
+    if (IsElsewhere(of_parts, gps)) {
       return true;
     }
     const std::vector<int> counts = draft->CountObservations();
@@ -306,7 +315,7 @@ class Joiner {
       const std::vector<Part> parts = std::move(found->second);
       parts_.erase(found);
       const std::vector<PhotoVerdict> before = verdicts_;
-      Draft draft(scene_.set, scene_.tracks, segments_[i], scene_.options.num_threads);
+      Draft draft = DraftOf(segments_[i]);
       Take(draft.photos(), PhotoVerdict::kLostSupport);
       GrowDraft(scene_, {}, &draft, &verdicts_);
       Take(draft.photos(), PhotoVerdict::kInSegment);

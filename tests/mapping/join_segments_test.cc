@@ -59,6 +59,33 @@ TEST(JoinSegments, HalvesWithWeakLinksMeet) {
                   [](PhotoVerdict verdict) { return verdict == PhotoVerdict::kInSegment; }));
 }
 
+// The links of one photo to the other half are wrong, a third of all. Where positions tell where
+// both halves are, the other links join them; without positions, nothing would contradict a wrong
+// union.
+TEST(JoinSegments, DoubtfulLinksNeedPositions) {
+  const Reconstruction street = SparseStreet();
+  std::vector<TwoView> views = testing::TrueViews(street, 10, IsMatchedInHalves);
+  size_t num_right = 0, num_wrong = 0;
+  for (TwoView& view : views) {
+    if (view.a >= kFirstOfSecondHalf || view.b < kFirstOfSecondHalf) {
+      continue;
+    }
+    const bool is_wrong = view.a == kFirstOfSecondHalf - 1;
+    (is_wrong ? num_wrong : num_right) += view.inliers.size();
+    for (size_t i = 1; is_wrong && i < view.inliers.size(); ++i) {
+      std::swap(view.inliers[i].b_idx, view.inliers[i - 1].b_idx);
+    }
+  }
+  EXPECT_GT(num_right, 2 * num_wrong);
+  EXPECT_LT(num_right, 4 * num_wrong);
+  PhotoSet set = testing::PhotosOf(street);
+  EXPECT_EQ(Grow(set, views).segments.size(), 2u);
+  testing::AddNoisyPositions(street, 1.0, 2.0, 9, &set);
+  const Growth growth = Grow(set, views);
+  ASSERT_EQ(growth.segments.size(), 1u);
+  EXPECT_LT(WorstErrorOf(street, growth.segments[0]), 0.2 * 0.3);
+}
+
 TEST(JoinSegments, OrderOfPhotosDoesNotMatter) {
   Reconstruction street = SparseStreet();
   const int last = static_cast<int>(street.images.size()) - 1;
