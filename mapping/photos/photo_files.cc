@@ -31,6 +31,13 @@ bool IsPhotoName(const fs::path& path) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
+// A link that leads nowhere is one, too: the photo that it meant is missed when it is read.
+bool IsFileOrDeadLink(const fs::directory_entry& entry) {
+  std::error_code ignored;
+  return entry.is_regular_file(ignored) ||
+         (entry.is_symlink(ignored) && !fs::exists(entry.path(), ignored));
+}
+
 // Without a slash at the end.
 fs::path Named(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
@@ -42,8 +49,7 @@ void AddFolder(const fs::path& folder, const std::string& prefix, std::vector<Ph
       entry.disable_recursion_pending();
       continue;
     }
-    std::error_code ignored;
-    if (IsPhotoName(entry->path()) && fs::is_regular_file(entry->path(), ignored)) {
+    if (IsPhotoName(entry->path()) && IsFileOrDeadLink(*entry)) {
       files->push_back({prefix + entry->path().lexically_relative(folder).generic_string(),
                         entry->path().string()});
     }

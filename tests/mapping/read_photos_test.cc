@@ -66,6 +66,7 @@ TEST(ReadPhotos, LeavesOutWhatItCannotUseWithAReason) {
                                                16));
   Write(dir.path() / "notes.txt", "no photo");
   Write(dir.path() / ".thumbs/a.pgm", Picture(5));
+  fs::create_symlink("unplugged/d.jpg", dir.path() / "d.jpg");
   const PhotoFolder folder = ReadPhotos({dir.path()}, {});
   ASSERT_EQ(folder.set.photos.size(), 2u);
   EXPECT_EQ(folder.set.photos[0].name, "a.pgm");
@@ -73,7 +74,8 @@ TEST(ReadPhotos, LeavesOutWhatItCannotUseWithAReason) {
   EXPECT_EQ(folder.set.cameras.size(), 1u);
   EXPECT_GE(folder.set.photos[0].keypoints.size(), 20u);
   EXPECT_FALSE(folder.orientation_of_photo[0]);
-  EXPECT_EQ(folder.left_out.size(), 4u);
+  EXPECT_EQ(folder.left_out.size(), 5u);
+  EXPECT_NE(ReasonFor(folder, "d.jpg").find("d.jpg"), std::string::npos);
   EXPECT_NE(ReasonFor(folder, "blank.pgm").find("blank or blurred"), std::string::npos);
   EXPECT_EQ(ReasonFor(folder, "copy.pgm"), "is the same file as a.pgm");
   EXPECT_FALSE(ReasonFor(folder, "cut.pgm").empty());

@@ -1,0 +1,88 @@
+// Positions of a table beside those in the EXIF of the same photos.
+#include "mapping/session/photo_places.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "support/temp_dir.h"
+
+namespace cairn {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kNumPhotos = 4;
+constexpr double kLatDeg = 55.698, kLonDeg = 13.195, kStepDeg = 1e-4;
+
+class PhotoPlacesTest : public ::testing::Test {
+ protected:
+  PhotoPlacesTest() {
+    for (int i = 0; i < kNumPhotos; ++i) {
+      MappingPhoto photo;
+      photo.name = std::to_string(i) + ".jpg";
+      photo.gps = Geodetic::FromDegrees(kLatDeg + i * kStepDeg, kLonDeg, 37.0);
+      folder_.set.photos.push_back(photo);
+      folder_.orientation_of_photo.emplace_back();
+    }
+  }
+
+  // The columns of the table as they are named, with these values.
+  PhotoPlaces Find(double lat_deg, double lon_deg) {
+    input_.positions_path = (dir_.path() / "table.csv").string();
+    std::ofstream table(input_.positions_path);
+    table << "image,lat_deg,lon_deg,h_m\n";
+    table.precision(9);
+    for (int i = 0; i < kNumPhotos; ++i) {
+      table << i << ".jpg," << lat_deg + i * kStepDeg << "," << lon_deg << ",37\n";
+    }
+    table.close();
+    return FindPhotoPlaces(input_, &folder_, &notes_);
+  }
+
+  testing::TempDir dir_;
+  MapPhotosInput input_;
+  PhotoFolder folder_;
+  std::vector<std::string> notes_;
+};
+
+TEST_F(PhotoPlacesTest, ATableReplacesExif) {
+  const PhotoPlaces places = Find(kLatDeg + 1e-3, kLonDeg);
+  ASSERT_EQ(places.positions.size(), static_cast<size_t>(kNumPhotos));
+  EXPECT_NEAR(places.positions[0]->position.lat_deg(), kLatDeg + 1e-3, 1e-9);
+  EXPECT_NEAR(folder_.set.photos[0].gps->lat_deg(), kLatDeg + 1e-3, 1e-9);
+  EXPECT_TRUE(notes_.empty());
+}
+
+TEST_F(PhotoPlacesTest, RefusesLatitudesThatAreLongitudesByExif) {
+  try {
+    Find(kLonDeg, kLatDeg);
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+    EXPECT_THAT(error.what(), HasSubstr("latitude and longitude have changed places"));
+    EXPECT_THAT(error.what(), HasSubstr("table.csv"));
+  }
+}
+
+TEST_F(PhotoPlacesTest, SaysThatATableIsOfAnotherTown) {
+  Find(kLatDeg + 1.0, kLonDeg);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_THAT(notes_[0], HasSubstr("111.3 km from those in the EXIF"));
+}
+
+TEST_F(PhotoPlacesTest, WithoutExifATableIsTakenAsItIs) {
+  for (MappingPhoto& photo : folder_.set.photos) {
+    photo.gps.reset();
+  }
+  EXPECT_NO_THROW(Find(kLonDeg, kLatDeg));
+  EXPECT_TRUE(notes_.empty());
+}
+
+}  // namespace
+}  // namespace cairn
