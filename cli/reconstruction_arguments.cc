@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,11 +68,14 @@ std::vector<CameraPosition> GpsOfDatabase(const Reconstruction& reconstruction,
   return positions;
 }
 
+// `note`: what the photos' own GPS says of the table.
 std::vector<CameraPosition> PositionsOfTable(const Reconstruction& reconstruction,
-                                             const ReconstructionArguments& arguments) {
+                                             const ReconstructionArguments& arguments,
+                                             std::optional<std::string>* note) {
   std::vector<CameraPosition> positions = ReadCameraPositions(arguments.georef_path);
   try {
     NameAfterImages(reconstruction, &positions);
+    *note = CompareWithExif(positions, GpsPositions(reconstruction, arguments.gps_accuracy_m));
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("{}: {}", arguments.georef_path, error.what()));
   }
@@ -174,9 +178,10 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   if (!arguments.control_path.empty()) {
     return PlaceByControl(reconstruction, arguments, options);
   }
+  std::optional<std::string> note;
   std::vector<CameraPosition> positions = arguments.use_gps
                                               ? GpsOfDatabase(reconstruction, arguments)
-                                              : PositionsOfTable(reconstruction, arguments);
+                                              : PositionsOfTable(reconstruction, arguments, &note);
   const PositionFindings findings = CheckPositions(arguments.camera_height_m, &positions);
   MakeHeightsEllipsoidal(
       arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel
@@ -190,6 +195,9 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
       folder.empty() ? ImageOrientations() : ReadOrientations(folder, reconstruction);
   Georegistration result = Georegister(reconstruction, positions, options, orientations);
   result.notes = NotesOn(reconstruction, findings, result);
+  if (note) {
+    result.notes.push_back(*note);
+  }
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "core/angles.h"
@@ -23,6 +24,13 @@ constexpr double kHeightErrorM = 15.0, kHeightSpreads = 3.0;
 // Steps of coordinates with this many decimals or fewer are coarser than GPS.
 constexpr int kMostRoundedDecimals = 4;
 constexpr double kMetersPerDeg = 111'000.0;
+// Nearer than this, a table may differ from the EXIF of its photos.
+constexpr double kMaxFromExifM = 1000.0;
+
+bool IsAtNullIsland(const CameraPosition& position) {
+  return std::abs(position.position.lat_deg()) < kNullIslandDeg &&
+         std::abs(position.position.lon_deg()) < kNullIslandDeg;
+}
 
 void RequireDifferentPlaces(const std::vector<CameraPosition>& positions) {
   if (positions.size() < kFewestToJudge) {
@@ -57,6 +65,12 @@ double RoundingOf(const std::vector<CameraPosition>& positions) {
     }
   }
   return 0.0;
+}
+
+double DistanceOnGroundM(const Geodetic& a, const Geodetic& b) {
+  return (EcefFromGeodetic({a.lat_rad, a.lon_rad, 0.0}) -
+          EcefFromGeodetic({b.lat_rad, b.lon_rad, 0.0}))
+      .norm();
 }
 
 void RequireFineSteps(double rounded_to_deg, const std::vector<CameraPosition>& positions) {
@@ -134,11 +148,7 @@ void FillHeights(const std::optional<double>& default_height_m,
 PositionFindings CheckPositions(const std::optional<double>& default_height_m,
                                 std::vector<CameraPosition>* positions) {
   PositionFindings findings;
-  findings.num_at_null_island =
-      static_cast<int>(std::erase_if(*positions, [](const CameraPosition& position) {
-        return std::abs(position.position.lat_deg()) < kNullIslandDeg &&
-               std::abs(position.position.lon_deg()) < kNullIslandDeg;
-      }));
+  findings.num_at_null_island = static_cast<int>(std::erase_if(*positions, IsAtNullIsland));
   if (positions->empty()) {
     return findings;
   }
@@ -148,6 +158,40 @@ PositionFindings CheckPositions(const std::optional<double>& default_height_m,
   MarkMissingHeights(positions);
   FillHeights(default_height_m, positions, &findings);
   return findings;
+}
+
+std::optional<std::string> CompareWithExif(const std::vector<CameraPosition>& table,
+                                           const std::vector<CameraPosition>& exif) {
+  std::map<std::string, Geodetic> exif_of_name;
+  for (const CameraPosition& position : exif) {
+    if (!IsAtNullIsland(position)) {
+      exif_of_name.emplace(position.image_name, position.position);
+    }
+  }
+  std::vector<double> distances_m, exchanged_m;
+  for (const CameraPosition& row : table) {
+    const auto found = exif_of_name.find(row.image_name);
+    if (found != exif_of_name.end()) {
+      const Geodetic exchanged{row.position.lon_rad, row.position.lat_rad, 0.0};
+      distances_m.push_back(DistanceOnGroundM(row.position, found->second));
+      exchanged_m.push_back(DistanceOnGroundM(exchanged, found->second));
+    }
+  }
+  if (distances_m.size() < kFewestToJudge) {
+    return std::nullopt;
+  }
+  const double distance_m = Median(std::move(distances_m));
+  if (distance_m <= kMaxFromExifM) {
+    return std::nullopt;
+  }
+  std::string finding =
+      fmt::format("the positions of the table are {:.1f} km from those in the EXIF of the photos",
+                  1e-3 * distance_m);
+  if (Median(std::move(exchanged_m)) <= kMaxFromExifM) {
+    throw Error(ErrorCode::kBadInput,
+                finding + ": latitude and longitude have changed places; exchange the two");
+  }
+  return finding + "; the table counts";
 }
 
 void RequireNotExchanged(const std::vector<CameraPosition>& positions,

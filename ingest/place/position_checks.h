@@ -27,6 +27,12 @@ struct PositionFindings {
 PositionFindings CheckPositions(const std::optional<double>& default_height_m,
                                 std::vector<CameraPosition>* positions);
 
+// Compares the positions of a table with those in the EXIF of the same photos, of three or more.
+// Throws Error(kBadInput) if they agree within a kilometer only with latitude and longitude
+// exchanged. Returns a sentence if they are farther apart, in the median: the table counts.
+std::optional<std::string> CompareWithExif(const std::vector<CameraPosition>& table,
+                                           const std::vector<CameraPosition>& exif);
+
 // Throws Error(kBadInput), with what to do, if `has_map_at` says that there is a map about where
 // the positions would be with latitude and longitude exchanged, and none about where they are.
 void RequireNotExchanged(const std::vector<CameraPosition>& positions,

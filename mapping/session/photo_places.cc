@@ -6,9 +6,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/geodesy.h"
 #include "core/printable.h"
-#include "core/statistics.h"
 #include "ingest/place/position_checks.h"
 #include "mapping/photos/photo_files.h"
 
@@ -16,8 +14,6 @@ namespace cairn {
 namespace {
 
 constexpr size_t kMinPositions = 3;
-// Nearer than this, the positions of a table may differ from those in the EXIF of the photos.
-constexpr double kMaxFromExifM = 1000.0;
 
 // The photos of all folders of the table are compared with its names, so that a name that could be
 // of two folders is noticed. Photos that cannot be read are not in `set`, and have no position.
@@ -52,46 +48,6 @@ std::vector<CameraPosition> PositionsOfTable(const MapPhotosInput& input, const 
   return ReadPositionsOfPhotos(input.positions_path, names);
 }
 
-double DistanceOnGroundM(const Geodetic& a, const Geodetic& b) {
-  return (EcefFromGeodetic({a.lat_rad, a.lon_rad, 0.0}) -
-          EcefFromGeodetic({b.lat_rad, b.lon_rad, 0.0}))
-      .norm();
-}
-
-// Latitude and longitude in a table often have changed places, and another street is easily named.
-void CompareWithExif(const std::string& table_path, const std::vector<CameraPosition>& positions,
-                     const PhotoSet& set, std::vector<std::string>* notes) {
-  std::map<std::string, const MappingPhoto*> photo_of_name;
-  for (const MappingPhoto& photo : set.photos) {
-    photo_of_name.emplace(photo.name, &photo);
-  }
-  std::vector<double> distances_m, exchanged_m;
-  for (const CameraPosition& position : positions) {
-    const auto found = photo_of_name.find(position.image_name);
-    if (found != photo_of_name.end() && found->second->gps) {
-      const Geodetic& stated = position.position;
-      const Geodetic& exif = *found->second->gps;
-      distances_m.push_back(DistanceOnGroundM(stated, exif));
-      exchanged_m.push_back(DistanceOnGroundM({stated.lon_rad, stated.lat_rad, 0.0}, exif));
-    }
-  }
-  if (distances_m.size() < kMinPositions) {
-    return;
-  }
-  const double distance_m = Median(std::move(distances_m));
-  const std::string finding =
-      fmt::format("the positions of the table are {:.1f} km from those in the EXIF of the photos",
-                  1e-3 * distance_m);
-  if (distance_m > kMaxFromExifM && Median(std::move(exchanged_m)) <= kMaxFromExifM) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("{}: {}: latitude and longitude have changed places; exchange the two",
-                            Printable(table_path), finding));
-  }
-  if (distance_m > kMaxFromExifM) {
-    notes->push_back(finding + "; the table counts");
-  }
-}
-
 std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy_m) {
   std::vector<CameraPosition> positions;
   for (const MappingPhoto& photo : set.photos) {
@@ -101,6 +57,17 @@ std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy
     }
   }
   return positions;
+}
+
+void CompareWithExif(const MapPhotosInput& input, const std::vector<CameraPosition>& positions,
+                     const PhotoSet& set, std::vector<std::string>* notes) {
+  try {
+    if (const auto note = CompareWithExif(positions, PositionsOfExif(set, input.gps_accuracy_m))) {
+      notes->push_back(*note);
+    }
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", Printable(input.positions_path), error.what()));
+  }
 }
 
 void RequireEnough(size_t num_positions, size_t num_photos, bool has_table) {
@@ -139,7 +106,7 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
       has_table ? PositionsOfTable(input, set) : PositionsOfExif(set, input.gps_accuracy_m);
   RequireEnough(positions.size(), set.photos.size(), has_table);
   if (has_table) {
-    CompareWithExif(input.positions_path, positions, set, notes);
+    CompareWithExif(input, positions, set, notes);
   }
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
   RequireEnough(positions.size(), set.photos.size(), has_table);  // Without those at 0, 0.

@@ -111,6 +111,24 @@ TEST(CheckPositions, RefusesCoarseRoundingUnlessTheAccuracySaysSo) {
   EXPECT_EQ(RefusalOf(positions), "no error");
 }
 
+TEST(CompareWithExif, SaysWhatEachPhotoSaysOtherwise) {
+  const std::vector<CameraPosition> exif = WalkInLund();
+  EXPECT_FALSE(CompareWithExif(exif, exif));
+  std::vector<CameraPosition> elsewhere = exif, exchanged = exif, at_null_island = exif;
+  for (size_t i = 0; i < exif.size(); ++i) {
+    const Geodetic& position = exif[i].position;
+    elsewhere[i].position = Geodetic::FromDegrees(position.lat_deg() + 1.0, position.lon_deg(), 0);
+    exchanged[i].position = Geodetic{position.lon_rad, position.lat_rad, 0.0};
+    at_null_island[i].position = Geodetic{0.0, 0.0, 0.0};
+  }
+  const auto note = CompareWithExif(elsewhere, exif);
+  ASSERT_TRUE(note);
+  EXPECT_THAT(*note, HasSubstr("111.3 km from those in the EXIF of the photos; the table counts"));
+  EXPECT_THROW(CompareWithExif(exchanged, exif), Error);
+  EXPECT_FALSE(CompareWithExif(exif, at_null_island));
+  EXPECT_FALSE(CompareWithExif(exif, {exchanged[0], exchanged[1]}));
+}
+
 // A map of Lund, and nothing elsewhere.
 bool IsInLund(const Geodetic& place) {
   return std::abs(place.lat_deg() - 55.7) < 0.1 && std::abs(place.lon_deg() - 13.2) < 0.1;

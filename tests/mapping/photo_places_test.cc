@@ -76,13 +76,5 @@ TEST_F(PhotoPlacesTest, SaysThatATableIsOfAnotherTown) {
   EXPECT_THAT(notes_[0], HasSubstr("111.3 km from those in the EXIF"));
 }
 
-TEST_F(PhotoPlacesTest, WithoutExifATableIsTakenAsItIs) {
-  for (MappingPhoto& photo : folder_.set.photos) {
-    photo.gps.reset();
-  }
-  EXPECT_NO_THROW(Find(kLonDeg, kLatDeg));
-  EXPECT_TRUE(notes_.empty());
-}
-
 }  // namespace
 }  // namespace cairn
