@@ -68,14 +68,11 @@ std::vector<CameraPosition> GpsOfDatabase(const Reconstruction& reconstruction,
   return positions;
 }
 
-// `note`: what the photos' own GPS says of the table.
 std::vector<CameraPosition> PositionsOfTable(const Reconstruction& reconstruction,
-                                             const ReconstructionArguments& arguments,
-                                             std::optional<std::string>* note) {
+                                             const ReconstructionArguments& arguments) {
   std::vector<CameraPosition> positions = ReadCameraPositions(arguments.georef_path);
   try {
     NameAfterImages(reconstruction, &positions);
-    *note = CompareWithExif(positions, GpsPositions(reconstruction, arguments.gps_accuracy_m));
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("{}: {}", arguments.georef_path, error.what()));
   }
@@ -178,10 +175,14 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   if (!arguments.control_path.empty()) {
     return PlaceByControl(reconstruction, arguments, options);
   }
-  std::optional<std::string> note;
   std::vector<CameraPosition> positions = arguments.use_gps
                                               ? GpsOfDatabase(reconstruction, arguments)
-                                              : PositionsOfTable(reconstruction, arguments, &note);
+                                              : PositionsOfTable(reconstruction, arguments);
+  std::optional<std::string> note;
+  if (!arguments.use_gps) {
+    note = CompareWithExif(arguments.georef_path, positions,
+                           GpsPositions(reconstruction, arguments.gps_accuracy_m));
+  }
   const PositionFindings findings = CheckPositions(arguments.camera_height_m, &positions);
   MakeHeightsEllipsoidal(
       arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel

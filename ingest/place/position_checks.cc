@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/geodesy.h"
+#include "core/printable.h"
 #include "core/statistics.h"
 
 namespace cairn {
@@ -65,12 +68,6 @@ double RoundingOf(const std::vector<CameraPosition>& positions) {
     }
   }
   return 0.0;
-}
-
-double DistanceOnGroundM(const Geodetic& a, const Geodetic& b) {
-  return (EcefFromGeodetic({a.lat_rad, a.lon_rad, 0.0}) -
-          EcefFromGeodetic({b.lat_rad, b.lon_rad, 0.0}))
-      .norm();
 }
 
 void RequireFineSteps(double rounded_to_deg, const std::vector<CameraPosition>& positions) {
@@ -160,7 +157,8 @@ PositionFindings CheckPositions(const std::optional<double>& default_height_m,
   return findings;
 }
 
-std::optional<std::string> CompareWithExif(const std::vector<CameraPosition>& table,
+std::optional<std::string> CompareWithExif(const std::string& table_path,
+                                           const std::vector<CameraPosition>& table,
                                            const std::vector<CameraPosition>& exif) {
   std::map<std::string, Geodetic> exif_of_name;
   for (const CameraPosition& position : exif) {
@@ -173,8 +171,10 @@ std::optional<std::string> CompareWithExif(const std::vector<CameraPosition>& ta
     const auto found = exif_of_name.find(row.image_name);
     if (found != exif_of_name.end()) {
       const Geodetic exchanged{row.position.lon_rad, row.position.lat_rad, 0.0};
-      distances_m.push_back(DistanceOnGroundM(row.position, found->second));
-      exchanged_m.push_back(DistanceOnGroundM(exchanged, found->second));
+      distances_m.push_back(GroundDistanceM(row.position, found->second));
+      exchanged_m.push_back(std::abs(exchanged.lat_deg()) > 90.0
+                                ? std::numeric_limits<double>::infinity()
+                                : GroundDistanceM(exchanged, found->second));
     }
   }
   if (distances_m.size() < kFewestToJudge) {
@@ -184,12 +184,13 @@ std::optional<std::string> CompareWithExif(const std::vector<CameraPosition>& ta
   if (distance_m <= kMaxFromExifM) {
     return std::nullopt;
   }
-  std::string finding =
+  const std::string finding =
       fmt::format("the positions of the table are {:.1f} km from those in the EXIF of the photos",
                   1e-3 * distance_m);
   if (Median(std::move(exchanged_m)) <= kMaxFromExifM) {
     throw Error(ErrorCode::kBadInput,
-                finding + ": latitude and longitude have changed places; exchange the two");
+                fmt::format("{}: {}: latitude and longitude have changed places; exchange the two",
+                            Printable(table_path), finding));
   }
   return finding + "; the table counts";
 }

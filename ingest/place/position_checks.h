@@ -27,10 +27,13 @@ struct PositionFindings {
 PositionFindings CheckPositions(const std::optional<double>& default_height_m,
                                 std::vector<CameraPosition>* positions);
 
-// Compares the positions of a table with those in the EXIF of the same photos, of three or more.
-// Throws Error(kBadInput) if they agree within a kilometer only with latitude and longitude
-// exchanged. Returns a sentence if they are farther apart, in the median: the table counts.
-std::optional<std::string> CompareWithExif(const std::vector<CameraPosition>& table,
+// Compares the positions of a table with those in the EXIF of the same photos. Throws
+// Error(kBadInput), naming the table, if the median distance on the ground is more than a kilometer
+// and would be less with latitude and longitude exchanged. Returns a sentence if the distance is
+// more than a kilometer either way: the table counts. Fewer than three photos say nothing, nor does
+// EXIF at 0, 0.
+std::optional<std::string> CompareWithExif(const std::string& table_path,
+                                           const std::vector<CameraPosition>& table,
                                            const std::vector<CameraPosition>& exif);
 
 // Throws Error(kBadInput), with what to do, if `has_map_at` says that there is a map about where

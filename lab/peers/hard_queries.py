@@ -100,10 +100,11 @@ def photo_names(database):
 
 
 def maps_to_make(arguments, names):
-    """Yields the title and the photos of each map."""
+    """Yields the title and the photos of each map. Two photos make none."""
     for step in arguments.sparse:
         for offset in range(step):
-            yield f"every_{step}_from_{offset}", names[offset::step]
+            if len(names[offset::step]) > 2:
+                yield f"every_{step}_from_{offset}", names[offset::step]
     for length in arguments.partial:
         for begin in range(0, len(names) - length + 1, length):
             yield f"run_of_{length}_from_{begin}", names[begin:begin + length]

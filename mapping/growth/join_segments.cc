@@ -23,9 +23,9 @@ constexpr int kMinSharedPoints = 10;
 // Two views between two segments that must fit, and the photos of each segment that they are of.
 constexpr int kMinBridges = 3;
 constexpr int kMinBridgePhotos = 2;
-// The two views that fit have this many times the inliers of those that do not; and if positions
-// tell the places of both segments, and so would contradict a wrong union, this many.
+// The two views that fit have this many times the inliers of those that do not.
 constexpr int kBridgesBeyondDoubt = 4;
+// The same if positions tell the places of both segments, and so would contradict a wrong union.
 constexpr int kBridgesWithPlaces = 2;
 // A union loses at most this share of the photos of its smaller segment.
 constexpr double kMaxLostShare = 0.1;

@@ -31,7 +31,7 @@ bool IsPhotoName(const fs::path& path) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
-// A link that leads nowhere is one, too: the photo that it meant is missed when it is read.
+// A link that leads nowhere counts as a photo: reading it fails, so the report names it.
 bool IsFileOrDeadLink(const fs::directory_entry& entry) {
   std::error_code ignored;
   return entry.is_regular_file(ignored) ||

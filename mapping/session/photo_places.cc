@@ -6,7 +6,6 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/printable.h"
 #include "ingest/place/position_checks.h"
 #include "mapping/photos/photo_files.h"
 
@@ -59,17 +58,6 @@ std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy
   return positions;
 }
 
-void CompareWithExif(const MapPhotosInput& input, const std::vector<CameraPosition>& positions,
-                     const PhotoSet& set, std::vector<std::string>* notes) {
-  try {
-    if (const auto note = CompareWithExif(positions, PositionsOfExif(set, input.gps_accuracy_m))) {
-      notes->push_back(*note);
-    }
-  } catch (const Error& error) {
-    throw Error(error.code(), fmt::format("{}: {}", Printable(input.positions_path), error.what()));
-  }
-}
-
 void RequireEnough(size_t num_positions, size_t num_photos, bool has_table) {
   if (num_positions < kMinPositions) {
     throw Error(
@@ -106,7 +94,11 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
       has_table ? PositionsOfTable(input, set) : PositionsOfExif(set, input.gps_accuracy_m);
   RequireEnough(positions.size(), set.photos.size(), has_table);
   if (has_table) {
-    CompareWithExif(input, positions, set, notes);
+    const auto note = CompareWithExif(input.positions_path, positions,
+                                      PositionsOfExif(set, input.gps_accuracy_m));
+    if (note) {
+      notes->push_back(*note);
+    }
   }
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
   RequireEnough(positions.size(), set.photos.size(), has_table);  // Without those at 0, 0.

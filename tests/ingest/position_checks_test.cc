@@ -111,9 +111,9 @@ TEST(CheckPositions, RefusesCoarseRoundingUnlessTheAccuracySaysSo) {
   EXPECT_EQ(RefusalOf(positions), "no error");
 }
 
-TEST(CompareWithExif, SaysWhatEachPhotoSaysOtherwise) {
+TEST(CompareWithExif, RefusesExchangedColumnsAndNotesAnotherTown) {
   const std::vector<CameraPosition> exif = WalkInLund();
-  EXPECT_FALSE(CompareWithExif(exif, exif));
+  EXPECT_FALSE(CompareWithExif("t.csv", exif, exif));
   std::vector<CameraPosition> elsewhere = exif, exchanged = exif, at_null_island = exif;
   for (size_t i = 0; i < exif.size(); ++i) {
     const Geodetic& position = exif[i].position;
@@ -121,12 +121,18 @@ TEST(CompareWithExif, SaysWhatEachPhotoSaysOtherwise) {
     exchanged[i].position = Geodetic{position.lon_rad, position.lat_rad, 0.0};
     at_null_island[i].position = Geodetic{0.0, 0.0, 0.0};
   }
-  const auto note = CompareWithExif(elsewhere, exif);
+  const auto note = CompareWithExif("t.csv", elsewhere, exif);
   ASSERT_TRUE(note);
   EXPECT_THAT(*note, HasSubstr("111.3 km from those in the EXIF of the photos; the table counts"));
-  EXPECT_THROW(CompareWithExif(exchanged, exif), Error);
-  EXPECT_FALSE(CompareWithExif(exif, at_null_island));
-  EXPECT_FALSE(CompareWithExif(exif, {exchanged[0], exchanged[1]}));
+  EXPECT_THROW(CompareWithExif("t.csv", exchanged, exif), Error);
+  EXPECT_FALSE(CompareWithExif("t.csv", exif, at_null_island));
+  EXPECT_FALSE(CompareWithExif("t.csv", exif, {exchanged[0], exchanged[1]}));
+  // Tokyo's longitude is no latitude.
+  std::vector<CameraPosition> in_tokyo = exif;
+  for (CameraPosition& position : in_tokyo) {
+    position.position = Geodetic::FromDegrees(35.68, 139.77, 40.0);
+  }
+  EXPECT_TRUE(CompareWithExif("t.csv", in_tokyo, exif));
 }
 
 // A map of Lund, and nothing elsewhere.

@@ -32,7 +32,7 @@ class PhotoPlacesTest : public ::testing::Test {
     }
   }
 
-  // The columns of the table as they are named, with these values.
+  // The places by a table whose rows begin at this position and go north.
   PhotoPlaces Find(double lat_deg, double lon_deg) {
     input_.positions_path = (dir_.path() / "table.csv").string();
     std::ofstream table(input_.positions_path);
