@@ -21,7 +21,8 @@ struct RaySource {
   double sigma_factor = 1.0;  // Times the standard deviation of a keypoint.
 
   std::optional<Eigen::Vector3d> RayOf(int keypoint_idx) const;
-  double SigmaRad(int keypoint_idx) const;
+  // Nothing if the camera cannot see along the ray, which is RayOf().
+  std::optional<RaySpread> SpreadOf(int keypoint_idx, const Eigen::Vector3d& ray) const;
 };
 
 struct PairRays {

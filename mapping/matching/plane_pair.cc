@@ -34,7 +34,7 @@ PlaneEquation EquationOf(const RayMatch& match, const Rigid3d& b_from_a) {
   // b x (R a + t (a . n)) = 0, along b x t.
   const Eigen::Vector3d across = match.b.cross(b_from_a.translation);
   const double sine = across.norm();
-  const double sigma = std::hypot(match.sigma_a_rad, match.sigma_b_rad);
+  const double sigma = std::sqrt(match.SqSigmaRad());
   PlaneEquation equation{sine / sigma * match.a, 0.0};
   if (sine > 0.0) {
     equation.offset = -across.dot(match.b.cross(b_from_a.rotation * match.a)) / (sine * sigma);

@@ -35,6 +35,12 @@ Rigid3d Moved(const Rigid3d& b_from_a, const Tangent& step) {
   return {ExpSo3(step.head<3>()) * b_from_a.rotation, direction.normalized()};
 }
 
+// Of b' E a.
+double EpipolarVariance(const Eigen::Matrix3d& essential, const RayMatch& match) {
+  return (match.spread_b.transpose() * (essential * match.a)).squaredNorm() +
+         (match.spread_a.transpose() * (essential.transpose() * match.b)).squaredNorm();
+}
+
 // The derivative treats the variances as constants; they change slowly.
 NormalSystem<5> LinearizeRelative(std::span<const RayMatch> matches, std::span<const int> inliers,
                                   const Rigid3d& b_from_a) {
@@ -46,10 +52,7 @@ NormalSystem<5> LinearizeRelative(std::span<const RayMatch> matches, std::span<c
   for (const int i : inliers) {
     const RayMatch& match = matches[i];
     const Eigen::Vector3d turned = rotation * match.a;
-    const double variance =
-        match.sigma_b_rad * match.sigma_b_rad * (essential * match.a).squaredNorm() +
-        match.sigma_a_rad * match.sigma_a_rad * (essential.transpose() * match.b).squaredNorm();
-    const double sigma = std::sqrt(std::max(variance, 1e-20));
+    const double sigma = std::sqrt(std::max(EpipolarVariance(essential, match), 1e-20));
     const double residual = match.b.dot(t.cross(turned)) / sigma;
     Tangent jacobian;
     // b . (t x (w x p)) = w . (p x (b x t)), and b . (dt x p) = dt . (p x b).
@@ -66,13 +69,14 @@ NormalSystem<5> LinearizeRelative(std::span<const RayMatch> matches, std::span<c
 
 }  // namespace
 
+RaySpread EvenSpread(const Eigen::Vector3d& ray, double sigma_rad) {
+  return sigma_rad * TangentPlane(ray);
+}
+
 double SqEpipolarError(const Eigen::Matrix3d& essential, const RayMatch& match) {
-  const Eigen::Vector3d line_in_b = essential * match.a;
-  const Eigen::Vector3d line_in_a = essential.transpose() * match.b;
-  const double residual = match.b.dot(line_in_b);
-  const double variance = match.sigma_b_rad * match.sigma_b_rad * line_in_b.squaredNorm() +
-                          match.sigma_a_rad * match.sigma_a_rad * line_in_a.squaredNorm();
-  return residual * residual / std::max(variance, std::numeric_limits<double>::min());
+  const double residual = match.b.dot(essential * match.a);
+  return residual * residual /
+         std::max(EpipolarVariance(essential, match), std::numeric_limits<double>::min());
 }
 
 Eigen::Matrix3d EssentialOf(const Rigid3d& b_from_a) {
@@ -125,9 +129,7 @@ RotationFit FitRotation(std::span<const RayMatch> matches, std::span<const int> 
   constexpr int kRounds = 5;
   RotationFit fit{b_from_a};
   const auto sq_error = [&](const RayMatch& match) {
-    const double sq_sigma =
-        match.sigma_a_rad * match.sigma_a_rad + match.sigma_b_rad * match.sigma_b_rad;
-    return (fit.b_from_a * match.a).cross(match.b).squaredNorm() / sq_sigma;
+    return (fit.b_from_a * match.a).cross(match.b).squaredNorm() / match.SqSigmaRad();
   };
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
@@ -238,11 +240,9 @@ std::vector<int> RelativePoseProblem::InliersOf(const Rigid3d& b_from_a) const {
   std::erase_if(inliers, [&](int i) {
     // Rays that are parallel within their errors meet behind the cameras as often as before them.
     const RayMatch& match = matches_[i];
-    const double sq_sigma =
-        match.sigma_a_rad * match.sigma_a_rad + match.sigma_b_rad * match.sigma_b_rad;
     const double sq_sine = (b_from_a.rotation * match.a).cross(match.b).squaredNorm();
     const auto depths = DepthsOf(b_from_a, match);
-    return sq_sine > kSqMaxError * sq_sigma && depths &&
+    return sq_sine > kSqMaxError * match.SqSigmaRad() && depths &&
            (depths->first <= 0.0 || depths->second <= 0.0);
   });
   return inliers;

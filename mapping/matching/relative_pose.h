@@ -16,12 +16,21 @@
 
 namespace cairn {
 
-// Two unit rays that may show one point, each in the frame of its camera, with the standard
-// deviation of their directions per axis.
+// How the error of a keypoint moves its unit ray: the columns are the shifts, in radians and across
+// the ray, by one standard deviation along x and y of the picture. Toward the edge of a perspective
+// picture a pixel is a smaller angle, and more so along the radius than across it.
+using RaySpread = Eigen::Matrix<double, 3, 2>;
+
+// The same standard deviation in all directions.
+RaySpread EvenSpread(const Eigen::Vector3d& ray, double sigma_rad);
+
+// Two unit rays that may show one point, each in the frame of its camera.
 struct RayMatch {
   Eigen::Vector3d a, b;
-  double sigma_a_rad = 1e-3;
-  double sigma_b_rad = 1e-3;
+  RaySpread spread_a, spread_b;
+
+  // Variance of the angle between the rays, of the mean direction.
+  double SqSigmaRad() const { return 0.5 * (spread_a.squaredNorm() + spread_b.squaredNorm()); }
 };
 
 // A match whose epipolar error is larger, in standard deviations, is not an inlier. As
@@ -29,8 +38,8 @@ struct RayMatch {
 inline constexpr double kMaxEpipolarSigmas = 4.0;
 
 // The Sampson error of a match under an essential matrix b_from_a, squared, in its variances: the
-// squared distance of the rays from the nearest pair of rays that meet. Valid for any field of view
-// because both rays are unit vectors.
+// squared distance of the keypoints from the nearest pair whose rays meet. Valid for any field of
+// view because both rays are unit vectors.
 double SqEpipolarError(const Eigen::Matrix3d& essential, const RayMatch& match);
 
 // The essential matrix of a relative pose: [t]x R for a unit translation.

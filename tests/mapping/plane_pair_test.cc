@@ -30,7 +30,8 @@ std::vector<RayMatch> MatchesOfAWall(const Rigid3d& b_from_a, int others_every =
       const Eigen::Vector3d error(noise(rng), noise(rng), noise(rng));
       return Eigen::Vector3d((point.normalized() + noise_rad * error).normalized());
     };
-    matches.push_back({ray(x), ray(b_from_a * x), 1e-3, 1e-3});
+    const Eigen::Vector3d a = ray(x), b = ray(b_from_a * x);
+    matches.push_back({a, b, EvenSpread(a, 1e-3), EvenSpread(b, 1e-3)});
   }
   return matches;
 }

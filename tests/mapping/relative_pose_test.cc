@@ -31,9 +31,9 @@ std::vector<RayMatch> Matches(const Rigid3d& b_from_a, int num_right, int num_wr
     const Eigen::Vector3d x_in_b =
         i < num_right ? Eigen::Vector3d(b_from_a * x_in_a)
                       : Eigen::Vector3d(RandomVector(random) + Eigen::Vector3d(0, 0, 1));
-    matches.push_back({(x_in_a.normalized() + noise * RandomVector(random)).normalized(),
-                       (x_in_b.normalized() + noise * RandomVector(random)).normalized(), kSigmaRad,
-                       kSigmaRad});
+    const Eigen::Vector3d a = (x_in_a.normalized() + noise * RandomVector(random)).normalized();
+    const Eigen::Vector3d b = (x_in_b.normalized() + noise * RandomVector(random)).normalized();
+    matches.push_back({a, b, EvenSpread(a, kSigmaRad), EvenSpread(b, kSigmaRad)});
   }
   return matches;
 }
