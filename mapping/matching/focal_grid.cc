@@ -86,61 +86,110 @@ class PairFitter {
   std::vector<FeatureMatch> matches_;
 };
 
+// The fits of a pair on the grid. One camera that both photos have is the rows, with one column.
+class GridOfFits {
+ public:
+  GridOfFits(const PairFitter& fitter, bool is_free_a, bool is_free_b, bool is_one_camera)
+      : fitter_(fitter),
+        num_a_(is_free_a ? kNumFocalSteps : 1),
+        num_b_(is_free_b && !is_one_camera ? kNumFocalSteps : 1),
+        is_one_camera_(is_one_camera) {
+    for (auto& row : costs_) {
+      row.fill(std::numeric_limits<double>::infinity());
+    }
+  }
+
+  struct Cell {
+    int a = 0, b = 0;
+    double cost = std::numeric_limits<double>::infinity();
+    Rigid3d b_from_a;
+  };
+
+  const Cell& best() const { return best_; }
+  double CostAt(int a, int b) const { return costs_[a][b]; }
+  int num_a() const { return num_a_; }
+  int num_b() const { return num_b_; }
+
+  // Walks over the grid from a cell, so that each fit begins with the pose of a neighbor. Fits that
+  // are better than those of earlier walks count.
+  void WalkFrom(int a, int b, const Rigid3d& start) {
+    a = std::min(a, num_a_ - 1);
+    b = std::min(b, num_b_ - 1);
+    const Rigid3d first = FitRow(a, b, start);
+    Rigid3d pose = first;
+    for (int next = a + 1; next < num_a_; ++next) {
+      pose = FitRow(next, b, pose);
+    }
+    pose = first;
+    for (int next = a - 1; next >= 0; --next) {
+      pose = FitRow(next, b, pose);
+    }
+  }
+
+ private:
+  // Returns the pose at column b.
+  Rigid3d FitRow(int a, int b, const Rigid3d& start) {
+    const Rigid3d first = FitAt(a, b, start);
+    Rigid3d pose = first;
+    for (int next = b + 1; next < num_b_; ++next) {
+      pose = FitAt(a, next, pose);
+    }
+    pose = first;
+    for (int next = b - 1; next >= 0; --next) {
+      pose = FitAt(a, next, pose);
+    }
+    return first;
+  }
+
+  Rigid3d FitAt(int a, int b, const Rigid3d& start) {
+    const double factor_a = num_a_ > 1 ? FocalFactorOf(a) : 1.0;
+    const double factor_b = is_one_camera_ ? factor_a : num_b_ > 1 ? FocalFactorOf(b) : 1.0;
+    const PairFitter::Fit fit = fitter_.Refine(factor_a, factor_b, start);
+    costs_[a][b] = std::min(costs_[a][b], fit.cost);
+    if (fit.cost < best_.cost) {
+      best_ = {a, b, fit.cost, fit.b_from_a};
+    }
+    return fit.b_from_a;
+  }
+
+  const PairFitter& fitter_;
+  const int num_a_, num_b_;
+  const bool is_one_camera_;
+  std::array<std::array<double, kNumFocalSteps>, kNumFocalSteps> costs_;
+  Cell best_;
+};
+
 }  // namespace
 
 double FocalFactorOf(int step) { return std::exp(kLogStep * (step - kOwnFocalStep)); }
 
-// Walks over the grid from the focal lengths under which the view was found, so that each fit
-// begins with the pose of a neighbor.
+// A pose that was found under focal lengths far from the best ones leads fits astray, which then
+// fit only where they happen to come back. So the grid is walked again from the best cell.
 PairVerdict JudgePair(const PhotoSet& set, std::span<const MappingCamera> cameras,
                       const TwoView& view, bool is_free_a, bool is_free_b) {
+  constexpr int kMaxWalks = 3;
   PairVerdict verdict;
   verdict.camera_a = set.photos[view.a].camera_idx;
   verdict.camera_b = set.photos[view.b].camera_idx;
   verdict.is_free_a = is_free_a;
   verdict.is_free_b = is_free_b;
-  const bool is_one_camera = verdict.camera_a == verdict.camera_b;
   const PairFitter fitter(set, cameras, view);
-  const int num_a = verdict.is_free_a ? kNumFocalSteps : 1;
-  const int num_b = verdict.is_free_b && !is_one_camera ? kNumFocalSteps : 1;
-  const int first_a = verdict.is_free_a ? StepOf(view.focal_factor_a) : 0;
-  const int first_b = num_b > 1 ? StepOf(view.focal_factor_b) : 0;
-  double least = std::numeric_limits<double>::infinity();
-  const auto fit_at = [&](int a, int b, const Rigid3d& start) {
-    const double factor_a = verdict.is_free_a ? FocalFactorOf(a) : 1.0;
-    const double factor_b = is_one_camera ? factor_a : num_b > 1 ? FocalFactorOf(b) : 1.0;
-    const PairFitter::Fit fit = fitter.Refine(factor_a, factor_b, start);
-    verdict.costs[a][b] = static_cast<float>(fit.cost);
-    least = std::min(least, fit.cost);
-    return fit.b_from_a;
-  };
-  const auto fit_row = [&](int a, const Rigid3d& start) {
-    const Rigid3d first = fit_at(a, first_b, start);
-    Rigid3d pose = first;
-    for (int b = first_b + 1; b < num_b; ++b) {
-      pose = fit_at(a, b, pose);
+  GridOfFits grid(fitter, is_free_a, is_free_b, verdict.camera_a == verdict.camera_b);
+  grid.WalkFrom(StepOf(view.focal_factor_a), StepOf(view.focal_factor_b), view.b_from_a);
+  for (int walk = 1; walk < kMaxWalks; ++walk) {
+    const GridOfFits::Cell from = grid.best();
+    grid.WalkFrom(from.a, from.b, from.b_from_a);
+    if (grid.best().a == from.a && grid.best().b == from.b) {
+      break;
     }
-    pose = first;
-    for (int b = first_b - 1; b >= 0; --b) {
-      pose = fit_at(a, b, pose);
-    }
-    return first;
-  };
-  const Rigid3d first = fit_row(first_a, view.b_from_a);
-  Rigid3d pose = first;
-  for (int a = first_a + 1; a < num_a; ++a) {
-    pose = fit_row(a, pose);
   }
-  pose = first;
-  for (int a = first_a - 1; a >= 0; --a) {
-    pose = fit_row(a, pose);
-  }
+  const double least = grid.best().cost;
   // Errors that are larger than stated, everywhere, make the pair less sure.
   const double noise =
       std::max(1.0, least / (kExpectedCost * static_cast<double>(fitter.NumMatches())));
-  for (int a = 0; a < num_a; ++a) {
-    for (int b = 0; b < num_b; ++b) {
-      const double excess = kPairWeight * (verdict.costs[a][b] - least) / noise;
+  for (int a = 0; a < grid.num_a(); ++a) {
+    for (int b = 0; b < grid.num_b(); ++b) {
+      const double excess = kPairWeight * (grid.CostAt(a, b) - least) / noise;
       verdict.costs[a][b] = static_cast<float>(kMaxPairCost * std::log1p(excess / kMaxPairCost));
     }
   }
