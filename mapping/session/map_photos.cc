@@ -10,10 +10,12 @@
 #include <utility>
 
 #include "core/error.h"
+#include "mapping/growth/grown_focals.h"
 #include "mapping/matching/calibrate_guesses.h"
 #include "mapping/matching/correct_focals.h"
 #include "mapping/matching/settle_planes.h"
 #include "mapping/session/edited_photos.h"
+#include "mapping/session/match_in_parts.h"
 #include "mapping/session/photo_places.h"
 #include "mapping/session/stage_clock.h"
 #include "mapping/session/stage_codec.h"
@@ -22,9 +24,6 @@
 
 namespace cairn {
 namespace {
-
-// Pairs whose two views are one file of the work folder: some seconds of work that a kill may cost.
-constexpr size_t kPairsPerFile = 256;
 
 // The stages, with the work folder between them.
 class Mapper {
@@ -62,13 +61,13 @@ class Mapper {
   void Read();
   void Calibrate();
   void FindPairsOnce();
-  std::vector<TwoView> Match(const char* stage, const std::string& file,
+  std::vector<TwoView> Match(const char* stage, const std::string& file, const std::string& key,
                              std::span<const std::pair<int, int>> pairs);
-  std::vector<TwoView> MatchPart(const char* stage, const std::string& name,
-                                 std::span<const std::pair<int, int>> pairs, int64_t first,
-                                 int64_t total, bool* from_work);
-  bool LoadCorrectedFocals();
+  bool LoadCameras(const std::string& file, const std::string& key);
+  void ChangeCameras(std::vector<MappingCamera> cameras, const std::string& file,
+                     const std::string& key);
   std::vector<TwoView> MatchAndCorrect();
+  Growth GrowFrom(std::span<const TwoView> views);
   Growth Grow();
   void Place(const Growth& growth);
   void PlaceOne(const Segment& segment);
@@ -116,39 +115,16 @@ void Mapper::Read() {
   clock.End(folder_.num_from_work == num_read);
 }
 
-std::vector<TwoView> Mapper::MatchPart(const char* stage, const std::string& name,
-                                       std::span<const std::pair<int, int>> pairs, int64_t first,
-                                       int64_t total, bool* from_work) {
-  if (work_) {
-    if (const auto stored = work_->Load(name, views_key_)) {
-      return DecodeTwoViews(*stored, folder_.set, work_->PathOf(name));
-    }
-  }
-  *from_work = false;
-  std::vector<TwoView> views =
-      FindTwoViews(folder_.set, pairs, options_.two_views,
-                   [&](int done, int) { Report(stage, first + done, total); });
-  if (work_) {
-    work_->Store(name, views_key_, EncodeTwoViews(views));
-  }
-  return views;
-}
-
-// Files of the work folder are `file` and a number.
 std::vector<TwoView> Mapper::Match(const char* stage, const std::string& file,
+                                   const std::string& key,
                                    std::span<const std::pair<int, int>> pairs) {
   StageClock clock(stage, &result_.stages);
-  std::vector<TwoView> views;
-  bool from_work = work_ != nullptr;
-  for (size_t first = 0; first < pairs.size(); first += kPairsPerFile) {
-    const size_t count = std::min(kPairsPerFile, pairs.size() - first);
-    std::vector<TwoView> part = MatchPart(
-        stage, fmt::format("{}-{:05}", file, first / kPairsPerFile), pairs.subspan(first, count),
-        static_cast<int64_t>(first), static_cast<int64_t>(pairs.size()), &from_work);
-    std::move(part.begin(), part.end(), std::back_inserter(views));
-  }
+  bool is_from_work = false;
+  std::vector<TwoView> views =
+      FindTwoViewsInParts(folder_.set, pairs, options_.two_views, {work_.get(), file, key},
+                          Reporter(stage), &is_from_work);
   SettlePlanes(folder_.set, input_.num_threads, &views);
-  clock.End(from_work);
+  clock.End(is_from_work);
   return views;
 }
 
@@ -168,50 +144,60 @@ void Mapper::Calibrate() {
   }
   if (work_) {
     StageClock clock("focal lengths", &result_.stages);
-    if (const auto stored = work_->Load("cameras", views_key_)) {
-      folder_.set.cameras = DecodeCameras(*stored, folder_.set, work_->PathOf("cameras"));
+    if (LoadCameras("cameras", views_key_)) {
       clock.End(true);
       return;
     }
   }
   FindPairsOnce();
   const std::vector<TwoView> views =
-      Match("calibration", "focal", PairsForCalibration(folder_.set, *pairs_));
+      Match("calibration", "focal", views_key_, PairsForCalibration(folder_.set, *pairs_));
   StageClock clock("focal lengths", &result_.stages);
-  folder_.set.cameras = CalibrateGuesses(folder_.set, views, input_.num_threads);
+  ChangeCameras(CalibrateGuesses(folder_.set, views, input_.num_threads), "cameras", views_key_);
   clock.End(false);
-  if (work_) {
-    work_->Store("cameras", views_key_, EncodeCameras(folder_.set.cameras));
-  }
 }
 
-// True if an earlier run found focal lengths of EXIF wrong.
-bool Mapper::LoadCorrectedFocals() {
-  const auto stored = work_ ? work_->Load("corrected", views_key_) : std::nullopt;
+// True if an earlier run changed the cameras at this stage.
+bool Mapper::LoadCameras(const std::string& file, const std::string& key) {
+  const auto stored = work_ ? work_->Load(file, key) : std::nullopt;
   if (stored) {
-    folder_.set.cameras = DecodeCameras(*stored, folder_.set, work_->PathOf("corrected"));
+    folder_.set.cameras = DecodeCameras(*stored, folder_.set, work_->PathOf(file));
   }
   return stored.has_value();
 }
 
+void Mapper::ChangeCameras(std::vector<MappingCamera> cameras, const std::string& file,
+                           const std::string& key) {
+  folder_.set.cameras = std::move(cameras);
+  if (work_) {
+    work_->Store(file, key, EncodeCameras(folder_.set.cameras));
+  }
+}
+
 // Matches once more if the photos contradict focal lengths of their EXIF.
 std::vector<TwoView> Mapper::MatchAndCorrect() {
-  std::vector<TwoView> views = Match("matching", "views", *pairs_);
+  std::vector<TwoView> views = Match("matching", "views", views_key_, *pairs_);
   StageClock clock("EXIF check", &result_.stages);
   auto corrected = CorrectFocals(folder_.set, views, input_.num_threads);
   clock.End(false);
   if (!corrected) {
     return views;
   }
-  folder_.set.cameras = std::move(*corrected);
-  if (work_) {
-    work_->Store("corrected", views_key_, EncodeCameras(folder_.set.cameras));
-  }
-  return Match("matching again", "again", *pairs_);
+  ChangeCameras(std::move(*corrected), "corrected", views_key_);
+  return Match("matching again", "again", views_key_, *pairs_);
 }
 
+Growth Mapper::GrowFrom(std::span<const TwoView> views) {
+  StageClock clock("growth", &result_.stages);
+  Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
+  clock.End(false);
+  return growth;
+}
+
+// Grows twice if the first segments found focal lengths that their two views did not tell.
 Growth Mapper::Grow() {
-  const bool is_corrected = LoadCorrectedFocals();
+  const bool is_corrected = LoadCameras("corrected", views_key_);
+  const bool is_grown = LoadCameras("grown", segments_key_);
   if (work_) {
     StageClock clock("growth", &result_.stages);
     if (const auto stored = work_->Load("segments", segments_key_)) {
@@ -221,14 +207,22 @@ Growth Mapper::Grow() {
     }
   }
   FindPairsOnce();
-  const std::vector<TwoView> views =
-      is_corrected ? Match("matching again", "again", *pairs_) : MatchAndCorrect();
-  StageClock clock("growth", &result_.stages);
-  Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
+  Growth growth;
+  bool has_to_grow_again = is_grown;
+  if (!is_grown) {
+    growth = GrowFrom(is_corrected ? Match("matching again", "again", views_key_, *pairs_)
+                                   : MatchAndCorrect());
+    if (auto cameras = GrownFocals(folder_.set, growth.segments)) {
+      ChangeCameras(std::move(*cameras), "grown", segments_key_);
+      has_to_grow_again = true;
+    }
+  }
+  if (has_to_grow_again) {
+    growth = GrowFrom(Match("matching again", "regrown", segments_key_, *pairs_));
+  }
   if (work_) {
     work_->Store("segments", segments_key_, EncodeGrowth(growth));
   }
-  clock.End(false);
   return growth;
 }
 
