@@ -55,6 +55,26 @@ TEST(GrownFocals, LeavesWhatHasMovedLittleAndWhatIsKnown) {
   }
 }
 
+// The focal length has not moved, but the corners are 15 % farther out than without distortion.
+TEST(GrownFocals, ADistortionThatNoLensHasMeansAShorterFocalLength) {
+  World world;
+  const Camera& guess = world.set.cameras[0].camera;
+  const double focal_px = guess.focal_px();
+  const double sq_radius = (320.0 * 320.0 + 240.0 * 240.0) / (focal_px * focal_px);
+  const auto grow_with_k1 = [&](double k1) {
+    world.segments[0].model.cameras[0] =
+        Camera(CameraModel::kSimpleRadial, 640, 480, {focal_px, 320.0, 240.0, k1});
+  };
+  grow_with_k1(0.03 / sq_radius);
+  EXPECT_FALSE(GrownFocals(world.set, world.segments));
+  grow_with_k1(-0.15 / sq_radius);  // Wide lenses do this.
+  EXPECT_FALSE(GrownFocals(world.set, world.segments));
+  grow_with_k1(0.15 / sq_radius);
+  const auto cameras = GrownFocals(world.set, world.segments);
+  ASSERT_TRUE(cameras);
+  EXPECT_NEAR((*cameras)[0].camera.focal_px(), focal_px / 1.5, 1e-9);
+}
+
 TEST(GrownFocals, TheSegmentWithMostPhotosOfTheCameraDecides) {
   World world;
   world.Grow(0, 0.76);

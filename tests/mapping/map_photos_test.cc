@@ -1,10 +1,13 @@
 // `cairn map` up to the publication, on real photos.
 #include "mapping/session/map_photos.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "core/csv.h"
@@ -35,16 +38,10 @@ MappingOptions FewFeatures(int max_features) {
   return options;
 }
 
-// Distances of the camera centers from the laser scan, after the similarity that fits best.
-Eigen::VectorXd CenterErrors(const Reconstruction& model) {
-  std::map<std::string, Eigen::Vector3d> truth;
-  const std::string text = ReadTextFile((FountainFolder() / "truth.csv").string(), 1 << 20);
-  CsvReader reader(text);
-  while (reader.Next()) {
-    if (reader.cells().size() == 11 && reader.Number(8)) {
-      truth[reader.cells()[0]] = {*reader.Number(8), *reader.Number(9), *reader.Number(10)};
-    }
-  }
+using PositionOfPhoto = std::map<std::string, Eigen::Vector3d>;
+
+// Distances of the camera centers from the truth, after the similarity that fits best.
+Eigen::VectorXd CenterErrors(const Reconstruction& model, const PositionOfPhoto& truth) {
   Eigen::Matrix3Xd found(3, model.images.size()), wanted(3, model.images.size());
   for (size_t i = 0; i < model.images.size(); ++i) {
     found.col(i) = model.images[i].cam_from_world.Inverse().translation;
@@ -56,13 +53,30 @@ Eigen::VectorXd CenterErrors(const Reconstruction& model) {
       .norm();
 }
 
+PositionOfPhoto LaserScanOfTheFountain() {
+  PositionOfPhoto truth;
+  const std::string text = ReadTextFile((FountainFolder() / "truth.csv").string(), 1 << 20);
+  CsvReader reader(text);
+  while (reader.Next()) {
+    if (reader.cells().size() == 11 && reader.Number(8)) {
+      truth[reader.cells()[0]] = {*reader.Number(8), *reader.Number(9), *reader.Number(10)};
+    }
+  }
+  return truth;
+}
+
+bool IsFromWork(const MappedPhotos& mapped, const std::string& stage) {
+  return std::any_of(mapped.stages.begin(), mapped.stages.end(),
+                     [&](const StageCost& cost) { return cost.name == stage && cost.from_work; });
+}
+
 // COLMAP 3.8 on the same photos, with 4,000 features: 2.4 mm in the mean. The bar is 1.25 times.
 TEST(MapPhotos, IsAsNearTheLaserScanAsColmap) {
   CAIRN_SKIP_WITHOUT_DATA(kFountain);
   const MappedPhotos mapped = MapPhotos(FountainInput(), FewFeatures(2500), {});
   ASSERT_EQ(mapped.num_mapped, 11);
   EXPECT_TRUE(mapped.left_out.empty());
-  const Eigen::VectorXd errors = CenterErrors(mapped.model);
+  const Eigen::VectorXd errors = CenterErrors(mapped.model, LaserScanOfTheFountain());
   EXPECT_LE(errors.mean(), 1.25 * 0.0024);
   EXPECT_LE(errors.maxCoeff(), 2.0 * 0.0038);
 }
@@ -101,22 +115,70 @@ TEST(MapPhotos, RunsAgainWhatAChangedOptionChanges) {
   input.work_dir = dir.File("w");
   MappingOptions options = FewFeatures(600);
   const MappedPhotos first = MapPhotos(input, options, {});
-  const auto from_work = [](const MappedPhotos& mapped, const std::string& stage) {
-    return std::any_of(mapped.stages.begin(), mapped.stages.end(),
-                       [&](const StageCost& cost) { return cost.name == stage && cost.from_work; });
-  };
-  EXPECT_FALSE(from_work(first, "photos"));
+  EXPECT_FALSE(IsFromWork(first, "photos"));
   options.two_views.min_inliers = 25;
   const MappedPhotos second = MapPhotos(input, options, {});
-  EXPECT_TRUE(from_work(second, "photos"));
-  EXPECT_FALSE(from_work(second, "matching"));
-  EXPECT_FALSE(from_work(second, "growth"));
+  EXPECT_TRUE(IsFromWork(second, "photos"));
+  EXPECT_FALSE(IsFromWork(second, "matching"));
+  EXPECT_FALSE(IsFromWork(second, "growth"));
   const MappedPhotos third = MapPhotos(input, options, {});
-  EXPECT_TRUE(from_work(third, "growth"));
+  EXPECT_TRUE(IsFromWork(third, "growth"));
   ASSERT_EQ(third.model.images.size(), second.model.images.size());
   for (size_t i = 0; i < third.model.images.size(); ++i) {
     EXPECT_EQ(third.model.images[i].cam_from_world.ToMatrix(),
               second.model.images[i].cam_from_world.ToMatrix());
+  }
+}
+
+constexpr const char* kDrive = "kitti_vo_2x51";
+
+// The truth is a file of poses, one a line: the first three rows of world_from_cam.
+PositionOfPhoto TruthOfTheDrive() {
+  PositionOfPhoto truth;
+  std::ifstream file(testing::TestDataDir() / kDrive / "KITTI_sequence_2/poses.txt");
+  std::array<double, 12> rows;
+  for (int i = 0; file >> rows[0]; ++i) {
+    for (size_t k = 1; k < rows.size(); ++k) {
+      file >> rows[k];
+    }
+    truth[fmt::format("{:06}.png", i)] = {rows[3], rows[7], rows[11]};
+  }
+  return truth;
+}
+
+// Twenty photos of a drive around a corner, which looks ahead, of an unknown camera whose focal
+// length is 719 px and not the 1,055 px that are assumed. From there, segments are bent by meters.
+TEST(MapPhotos, FindsTheFocalLengthOfADriveByGrowingAgain) {
+  CAIRN_SKIP_WITHOUT_DATA(kDrive);
+  const testing::TempDir dir;
+  std::filesystem::create_directory(dir.path() / "photos");
+  for (int i = 8; i < 28; ++i) {
+    const std::string name = fmt::format("{:06}.png", i);
+    std::filesystem::create_symlink(
+        testing::TestDataDir() / kDrive / "KITTI_sequence_2/image_l" / name,
+        dir.path() / "photos" / name);
+  }
+  MapPhotosInput input;
+  input.paths = {dir.File("photos")};
+  input.positions_path = (testing::TestDataDir() / kDrive / "georef_seq2.csv").string();
+  input.work_dir = dir.File("w");
+  input.num_threads = 2;
+  const MappedPhotos first = MapPhotos(input, MappingOptions(), {});
+  EXPECT_EQ(first.num_mapped, 20);
+  EXPECT_NEAR(first.cameras.at(0).camera.focal_px(), 718.9, 0.04 * 718.9);
+  EXPECT_LT(CenterErrors(first.model, TruthOfTheDrive()).maxCoeff(), 0.2);
+  EXPECT_FALSE(IsFromWork(first, "matching again"));
+
+  // As if the run was killed before its segments were kept.
+  std::filesystem::remove(dir.path() / "w" / "segments");
+  input.num_threads = 1;
+  const MappedPhotos second = MapPhotos(input, MappingOptions(), {});
+  EXPECT_TRUE(IsFromWork(second, "matching again"));
+  EXPECT_FALSE(IsFromWork(second, "matching"));
+  ASSERT_EQ(second.num_mapped, first.num_mapped);
+  for (size_t i = 0; i < first.model.images.size(); ++i) {
+    EXPECT_EQ(second.model.images[i].cam_from_world.ToMatrix(),
+              first.model.images[i].cam_from_world.ToMatrix());
   }
 }
 
