@@ -26,6 +26,7 @@ const char* SourceName(FocalSource source) {
       return "EXIF";
     case FocalSource::kGuess:
     case FocalSource::kPhotos:
+    case FocalSource::kGrowth:
       break;
   }
   return "guess";

@@ -25,6 +25,7 @@ enum class FocalSource {
   kExif,         // Correct within about 5 %.
   kGuess,        // Nobody knows.
   kPhotos,       // Nobody knew, or EXIF was wrong: the two views of the set told it.
+  kGrowth,       // Nobody knew: a segment told it, about as well as EXIF.
 };
 
 // The camera of one or more photos.

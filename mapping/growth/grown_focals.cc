@@ -35,7 +35,7 @@ double FocalOf(const Camera& grown) {
 }
 
 bool MayBeWrong(const MappingCamera& camera) {
-  return camera.source == FocalSource::kGuess || camera.source == FocalSource::kPhotos;
+  return camera.source != FocalSource::kCalibration && camera.source != FocalSource::kExif;
 }
 
 // The camera in the segment with the most photos of it; null if that has too few.
@@ -67,7 +67,7 @@ std::optional<std::vector<MappingCamera>> GrownFocals(const PhotoSet& set,
     if (std::abs(std::log(factor)) >= kLeastLogMove) {
       cameras[i].camera = WithFocalScaled(cameras[i].camera, factor);
       cameras[i].focal.log_sigma = kGrownLogSigma;
-      cameras[i].source = FocalSource::kPhotos;
+      cameras[i].source = FocalSource::kGrowth;
       has_moved = true;
     }
   }

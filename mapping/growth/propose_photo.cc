@@ -23,6 +23,7 @@ std::span<const double> FactorsOfNew(FocalSource source) {
       return kToldFactors;
     case FocalSource::kCalibration:
     case FocalSource::kExif:
+    case FocalSource::kGrowth:
       break;
   }
   return {};

@@ -207,7 +207,7 @@ std::vector<MappingCamera> DecodeCameras(std::span<const uint8_t> bytes, const P
     camera.focal.with_distortion = reader.Get<uint8_t>() != 0;
     const uint8_t source = reader.Get<uint8_t>();
     const uint8_t may_be_cropped = reader.Get<uint8_t>();
-    if (source > static_cast<uint8_t>(FocalSource::kPhotos) || may_be_cropped > 1 ||
+    if (source > static_cast<uint8_t>(FocalSource::kGrowth) || may_be_cropped > 1 ||
         camera.camera.width_px() != known.camera.width_px() ||
         camera.camera.height_px() != known.camera.height_px()) {
       ThrowDamaged(what);

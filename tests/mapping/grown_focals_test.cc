@@ -36,7 +36,7 @@ TEST(GrownFocals, TakesFromManyPhotosWhatHasMovedFar) {
   ASSERT_TRUE(cameras);
   const MappingCamera &moved = (*cameras)[0], &guess = world.set.cameras[0];
   EXPECT_NEAR(moved.camera.focal_px(), 0.76 * guess.camera.focal_px(), 1e-9);
-  EXPECT_EQ(moved.source, FocalSource::kPhotos);
+  EXPECT_EQ(moved.source, FocalSource::kGrowth);
   EXPECT_LT(moved.focal.log_sigma, guess.focal.log_sigma);
   // Three photos tell little.
   EXPECT_EQ((*cameras)[1].camera.params(), world.set.cameras[1].camera.params());
