@@ -11,9 +11,12 @@
 
 namespace cairn {
 
-// Returns nothing if no focal length has moved far, else the cameras of the set. A camera whose
-// focal length was a guess, or told by photos, has that of its largest segment if this has ten
-// of its photos or more and moved the focal length by a tenth or more; the source is then kGrowth.
+// Returns nothing if no focal length has moved far, else the cameras of the set from which to grow
+// again. A camera whose focal length was a guess, or told by photos, has that of its largest
+// segment if this has ten of its photos or more and moved the focal length by a tenth or more; the
+// source is then kGrowth. If the segment found a distortion that widens the corners as no lens in
+// use does, the focal length is a third shorter still: one that is too long and the distortion make
+// up for each other.
 //
 // Along a drive that looks ahead, pairs of photos hardly tell the focal length, and photos that are
 // fitted under a wrong one bend the segment, or are fitted at a wrong place. The same photos

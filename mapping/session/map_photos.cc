@@ -71,7 +71,7 @@ class Mapper {
   void ChangeCameras(std::vector<MappingCamera> cameras, const std::string& file,
                      const std::string& key);
   std::vector<TwoView> MatchAndCorrect();
-  Growth GrowFrom(std::span<const TwoView> views);
+  Growth GrowOnce(bool is_corrected, int num_regrowths);
   Growth Grow();
   void Place(const Growth& growth);
   void PlaceOne(const Segment& segment);
@@ -191,7 +191,16 @@ std::vector<TwoView> Mapper::MatchAndCorrect() {
   return Match("matching again", "again", views_key_, *pairs_);
 }
 
-Growth Mapper::GrowFrom(std::span<const TwoView> views) {
+Growth Mapper::GrowOnce(bool is_corrected, int num_regrowths) {
+  std::vector<TwoView> views;
+  if (num_regrowths > 0) {
+    views =
+        Match("matching again", fmt::format("regrown-{}", num_regrowths), segments_key_, *pairs_);
+  } else if (is_corrected) {
+    views = Match("matching again", "again", views_key_, *pairs_);
+  } else {
+    views = MatchAndCorrect();
+  }
   StageClock clock("growth", &result_.stages);
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
   clock.End(false);
@@ -216,11 +225,7 @@ Growth Mapper::Grow() {
   }
   FindPairsOnce();
   while (true) {
-    const std::string views_file = fmt::format("regrown-{}", num_regrowths);
-    Growth growth =
-        GrowFrom(num_regrowths > 0 ? Match("matching again", views_file, segments_key_, *pairs_)
-                 : is_corrected    ? Match("matching again", "again", views_key_, *pairs_)
-                                   : MatchAndCorrect());
+    Growth growth = GrowOnce(is_corrected, num_regrowths);
     auto cameras =
         num_regrowths < kMaxRegrowths ? GrownFocals(folder_.set, growth.segments) : std::nullopt;
     if (!cameras) {
