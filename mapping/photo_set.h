@@ -25,7 +25,7 @@ enum class FocalSource {
   kExif,         // Correct within about 5 %.
   kGuess,        // Nobody knows.
   kPhotos,       // Nobody knew, or EXIF was wrong: the two views of the set told it.
-  kGrowth,       // Nobody knew: a segment told it, about as well as EXIF.
+  kGrowth,       // As kPhotos, but a segment told it, about as well as EXIF does.
 };
 
 // The camera of one or more photos.

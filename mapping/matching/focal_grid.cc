@@ -113,32 +113,28 @@ class GridOfFits {
   // Walks over the grid from a cell, so that each fit begins with the pose of a neighbor. Fits that
   // are better than those of earlier walks count.
   void WalkFrom(int a, int b, const Rigid3d& start) {
-    a = std::min(a, num_a_ - 1);
     b = std::min(b, num_b_ - 1);
-    const Rigid3d first = FitRow(a, b, start);
-    Rigid3d pose = first;
-    for (int next = a + 1; next < num_a_; ++next) {
-      pose = FitRow(next, b, pose);
-    }
-    pose = first;
-    for (int next = a - 1; next >= 0; --next) {
-      pose = FitRow(next, b, pose);
-    }
+    WalkOutward(std::min(a, num_a_ - 1), num_a_, start, [&](int row, const Rigid3d& from) {
+      return WalkOutward(b, num_b_, from,
+                         [&](int column, const Rigid3d& near) { return FitAt(row, column, near); });
+    });
   }
 
  private:
-  // Returns the pose at column b.
-  Rigid3d FitRow(int a, int b, const Rigid3d& start) {
-    const Rigid3d first = FitAt(a, b, start);
-    Rigid3d pose = first;
-    for (int next = b + 1; next < num_b_; ++next) {
-      pose = FitAt(a, next, pose);
+  // Calls fit(step, pose of the step before) from `first` up, and from there down. Returns the pose
+  // at `first`.
+  template <typename Fit>
+  static Rigid3d WalkOutward(int first, int num_steps, const Rigid3d& start, const Fit& fit) {
+    const Rigid3d pose_at_first = fit(first, start);
+    Rigid3d pose = pose_at_first;
+    for (int step = first + 1; step < num_steps; ++step) {
+      pose = fit(step, pose);
     }
-    pose = first;
-    for (int next = b - 1; next >= 0; --next) {
-      pose = FitAt(a, next, pose);
+    pose = pose_at_first;
+    for (int step = first - 1; step >= 0; --step) {
+      pose = fit(step, pose);
     }
-    return first;
+    return pose_at_first;
   }
 
   Rigid3d FitAt(int a, int b, const Rigid3d& start) {
