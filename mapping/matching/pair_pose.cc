@@ -71,6 +71,28 @@ std::optional<PairPose> BetterTwin(std::span<const RayMatch> rays, const PairPos
   return other && other->inliers.size() > found.inliers.size() ? other : std::nullopt;
 }
 
+// A pose refined with the errors that its inliers show.
+struct SharpPose {
+  RefinedRelativePose pose;
+  std::vector<RayMatch> rays;  // With these errors.
+};
+
+// Among the inliers, matches that are wrong by some pixels bend a pose, and a turn explains a short
+// walk along a wall, if exact keypoints count as rough ones.
+SharpPose Sharpen(std::span<const RayMatch> rays, const PairPose& found) {
+  constexpr int kRounds = 2;
+  SharpPose sharp{found.pose, {}};
+  for (int round = 0; round < kRounds; ++round) {
+    sharp.rays = WithNoise(rays, NoiseOf(rays, found.inliers, sharp.pose.b_from_a));
+    const std::vector<int> inliers =
+        RelativePoseProblem(sharp.rays, 0).InliersOf(sharp.pose.b_from_a);
+    if (const auto refined = RefineRelativePose(sharp.rays, inliers, sharp.pose.b_from_a)) {
+      sharp.pose = *refined;
+    }
+  }
+  return sharp;
+}
+
 }  // namespace
 
 RaySource SourceOf(const PhotoSet& set, int photo, double focal_factor) {
@@ -143,10 +165,11 @@ std::optional<PairPose> FindPairPose(std::span<const RayMatch> rays, const TwoVi
 TwoView MakeTwoView(const PairRays& rays, const PairPose& found,
                     std::span<const FeatureMatch> matches) {
   TwoView view;
-  view.b_from_a = found.pose.b_from_a;
-  view.rotation_sigma_rad = found.pose.rotation_sigma_rad;
-  view.direction_sigma_rad = found.pose.direction_sigma_rad;
-  const RotationFit rotation = FitRotation(rays.rays, found.inliers, view.b_from_a.rotation);
+  const SharpPose sharp = Sharpen(rays.rays, found);
+  view.b_from_a = sharp.pose.b_from_a;
+  view.rotation_sigma_rad = sharp.pose.rotation_sigma_rad;
+  view.direction_sigma_rad = sharp.pose.direction_sigma_rad;
+  const RotationFit rotation = FitRotation(sharp.rays, found.inliers, view.b_from_a.rotation);
   if (rotation.num_explained >=
       kMaxExplainedByRotation * static_cast<double>(found.inliers.size())) {
     view.kind = TwoViewKind::kRotationOnly;

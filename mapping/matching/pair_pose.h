@@ -34,7 +34,8 @@ std::optional<PairPose> FindPairPose(std::span<const RayMatch> rays, const TwoVi
 std::optional<PairPose> SettlePose(std::span<const RayMatch> rays, const Rigid3d& b_from_a,
                                    int min_inliers);
 
-// A two view without photos and focal lengths. `matches` are those that the rays were made of.
+// A two view without photos and focal lengths: the pose is refined with the errors that its inliers
+// show (NoiseOf). `matches` are those that the rays were made of.
 TwoView MakeTwoView(const PairRays& rays, const PairPose& found,
                     std::span<const FeatureMatch> matches);
 

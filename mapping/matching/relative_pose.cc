@@ -19,6 +19,9 @@ constexpr double kSqMaxError = kMaxEpipolarSigmas * kMaxEpipolarSigmas;
 // Scale of Cauchy's loss, in standard deviations, as in triangulation.
 constexpr double kSqLossScale = 2.0 * 2.0;
 constexpr int kMaxSteps = 10;
+// The noise is told by this quantile of the errors, so that a few wrong matches do not count.
+constexpr double kNoiseQuantile = 0.8;
+constexpr double kNoiseQuantileSigmas = 1.2816;  // Of a normal error.
 
 using Tangent = Eigen::Matrix<double, 5, 1>;  // Rotation (3), direction of the translation (2).
 
@@ -77,6 +80,31 @@ double SqEpipolarError(const Eigen::Matrix3d& essential, const RayMatch& match) 
   const double residual = match.b.dot(essential * match.a);
   return residual * residual /
          std::max(EpipolarVariance(essential, match), std::numeric_limits<double>::min());
+}
+
+double NoiseOf(std::span<const RayMatch> matches, std::span<const int> inliers,
+               const Rigid3d& b_from_a) {
+  if (inliers.empty()) {
+    return 1.0;
+  }
+  const Eigen::Matrix3d essential = EssentialOf(b_from_a);
+  std::vector<double> sq_errors;
+  for (const int i : inliers) {
+    sq_errors.push_back(SqEpipolarError(essential, matches[i]));
+  }
+  const auto at = sq_errors.begin() + static_cast<std::ptrdiff_t>(
+                                          kNoiseQuantile * static_cast<double>(sq_errors.size()));
+  std::nth_element(sq_errors.begin(), at, sq_errors.end());
+  return std::clamp(std::sqrt(*at) / kNoiseQuantileSigmas, kLeastNoise, 1.0);
+}
+
+std::vector<RayMatch> WithNoise(std::span<const RayMatch> matches, double noise) {
+  std::vector<RayMatch> scaled(matches.begin(), matches.end());
+  for (RayMatch& match : scaled) {
+    match.spread_a *= noise;
+    match.spread_b *= noise;
+  }
+  return scaled;
 }
 
 Eigen::Matrix3d EssentialOf(const Rigid3d& b_from_a) {

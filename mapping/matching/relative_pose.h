@@ -49,6 +49,15 @@ Eigen::Matrix3d EssentialOf(const Rigid3d& b_from_a);
 // `b_from_a` has unit length. Nothing for parallel rays.
 std::optional<std::pair<double, double>> DepthsOf(const Rigid3d& b_from_a, const RayMatch& match);
 
+// The errors of the matches `inliers` under a pose, relative to those that the matches state: in
+// [kLeastNoise, 1]. Keypoints of a sharp picture are often several times as exact as stated.
+double NoiseOf(std::span<const RayMatch> matches, std::span<const int> inliers,
+               const Rigid3d& b_from_a);
+inline constexpr double kLeastNoise = 0.25;
+
+// The matches with standard deviations `noise` times as large.
+std::vector<RayMatch> WithNoise(std::span<const RayMatch> matches, double noise);
+
 struct RefinedRelativePose {
   Rigid3d b_from_a;
   // Standard deviations of the least certain direction: of the rotation, and of the direction of

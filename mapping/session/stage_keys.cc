@@ -16,7 +16,7 @@ std::string DigestOf(const std::string& text) {
 
 std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
                        const MappingOptions& options) {
-  std::string key = fmt::format("mapping 11 {}", folder.digest);
+  std::string key = fmt::format("mapping 12 {}", folder.digest);
   const PairOptions& p = options.pairs;
   key += fmt::format(" pairs {} {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
                      p.max_panel, p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
