@@ -127,6 +127,13 @@ void Draft::Add(int photo, const Rigid3d& cam_from_world) {
   model_.images.push_back(std::move(image));
 }
 
+void Draft::Add(int photo, const LocalizedPhoto& localized) {
+  if (const int camera_idx = set_.photos[photo].camera_idx; IsNewCamera(camera_idx)) {
+    SetCamera(camera_idx, localized.camera);
+  }
+  Add(photo, localized.cam_from_world);
+}
+
 void Draft::Remove(std::span<const int> photos) {
   if (photos.empty()) {
     return;

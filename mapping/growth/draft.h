@@ -52,6 +52,8 @@ class Draft {
 
   // Adds a photo without observations.
   void Add(int photo, const Rigid3d& cam_from_world);
+  // The same with the camera under which the photo was localized, if no other has this camera.
+  void Add(int photo, const LocalizedPhoto& localized);
   // Removes photos; landmarks with fewer than two observations leave with them.
   void Remove(std::span<const int> photos);
   // Observes and triangulates the tracks that these photos see.

@@ -113,11 +113,7 @@ class DraftGrower {
         refusals_.since_adjustment[proposal.photo] = proposal.num_observations;
         continue;
       }
-      const int camera_idx = set_.photos[proposal.photo].camera_idx;
-      if (draft_->IsNewCamera(camera_idx)) {
-        draft_->SetCamera(camera_idx, proposal.pose->camera);
-      }
-      draft_->Add(proposal.photo, proposal.pose->cam_from_world);
+      draft_->Add(proposal.photo, *proposal.pose);
       refusals_.joined[proposal.photo] = proposal.num_observations;
       added.push_back(proposal.photo);
       // Until the draft is finished, the photo is not taken.

@@ -118,8 +118,7 @@ class Grower {
     if (!third.pose) {
       return std::nullopt;
     }
-    draft.SetCamera(set_.photos[seed.third].camera_idx, third.pose->camera);
-    draft.Add(seed.third, third.pose->cam_from_world);
+    draft.Add(seed.third, *third.pose);
     const std::vector<int> all = {base.a, base.b, seed.third};
     draft.Triangulate(all);
     const bool is_adjusted = draft.AdjustAll() && draft.AdjustAll();

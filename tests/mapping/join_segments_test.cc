@@ -59,6 +59,24 @@ TEST(JoinSegments, HalvesWithWeakLinksMeet) {
                   [](PhotoVerdict verdict) { return verdict == PhotoVerdict::kInSegment; }));
 }
 
+// The halves share no landmark that two photos of each see: most landmarks are those of one half,
+// and of the second, its neighbor in the first half sees many; that of the first, too few to join
+// it.
+TEST(JoinSegments, PhotosOnTheBorderTellWhereHalvesMeet) {
+  const Reconstruction street = SparseStreet(2.0, 1200);
+  constexpr int kLastOfFirst = kFirstOfSecondHalf - 1;
+  const auto is_matched = [](int a, int b, int landmark) {
+    const bool is_of_both = landmark % 16 == 0, is_of_second = landmark % 3 == 0;
+    return is_of_both     ? std::max(a, b) <= kFirstOfSecondHalf
+           : is_of_second ? std::min(a, b) >= kLastOfFirst
+                          : std::max(a, b) <= kLastOfFirst;
+  };
+  const Growth growth = Grow(testing::PhotosOf(street), testing::TrueViews(street, 8, is_matched));
+  ASSERT_EQ(growth.segments.size(), 1u);
+  EXPECT_EQ(growth.segments[0].photo_of_image.size(), street.images.size());
+  EXPECT_LT(WorstErrorOf(street, growth.segments[0]), 0.2 * 0.3);
+}
+
 // The links of one photo to the other half are wrong, a third of all. Where positions tell where
 // both halves are, the other links join them; without positions, nothing would contradict a wrong
 // union.
