@@ -13,6 +13,7 @@
 #include "mapping/growth/draft.h"
 #include "mapping/growth/gps_check.h"
 #include "mapping/growth/grow_draft.h"
+#include "mapping/growth/segment_guests.h"
 
 namespace cairn {
 namespace {
@@ -145,14 +146,7 @@ class Joiner {
     if (!IsEnough(Weigh(bridges, [](const TwoView&) { return true; }), kBridgesBeyondDoubt)) {
       return std::nullopt;
     }
-    const uint64_t seed = HashWord(scene_.options.seed ^
-                                   HashWord(static_cast<uint64_t>(a.photo_of_image.front()) << 32 |
-                                            static_cast<uint64_t>(b.photo_of_image.front())));
-    auto alignment = AlignSegments(scene_.tracks, a, b, kMinSharedPoints, seed);
-    if (!alignment) {
-      alignment =
-          AlignSegments(scene_.tracks, WithGuests(a, b), WithGuests(b, a), kMinSharedPoints, seed);
-    }
+    const auto alignment = Align(a, b, bridges);
     if (!alignment) {
       return std::nullopt;
     }
@@ -165,28 +159,16 @@ class Joiner {
     return draft;
   }
 
-  // A segment and the photos of another one that it localizes, which stay in theirs. Two parts of a
-  // walk may share no point that two photos of each see; with the photos on the border in both,
-  // they do.
-  Segment WithGuests(const Segment& host, const Segment& other) const {
-    Draft draft = DraftOf(host);
-    const GpsCheck gps = MakeGpsCheck(draft);
-    std::vector<Proposal> proposals;
-    for (const int photo : other.photo_of_image) {
-      proposals.push_back(scene_.proposer.Propose(draft, gps, photo, /*is_last_resort=*/true));
+  std::optional<SegmentAlignment> Align(const Segment& a, const Segment& b,
+                                        const Bridges& bridges) const {
+    const uint64_t seed = HashWord(scene_.options.seed ^
+                                   HashWord(static_cast<uint64_t>(a.photo_of_image.front()) << 32 |
+                                            static_cast<uint64_t>(b.photo_of_image.front())));
+    if (auto alignment = AlignSegments(scene_.tracks, a, b, kMinSharedPoints, seed)) {
+      return alignment;
     }
-    std::vector<int> guests;
-    for (const Proposal& proposal : proposals) {
-      if (proposal.verdict == PhotoVerdict::kInSegment) {
-        draft.Add(proposal.photo, *proposal.pose);
-        guests.push_back(proposal.photo);
-      }
-    }
-    draft.Triangulate(guests);
-    if (draft.AdjustAround(guests)) {
-      draft.Triangulate(guests);
-    }
-    return draft.Finish();
+    return AlignSegments(scene_.tracks, WithGuests(scene_, a, bridges.views),
+                         WithGuests(scene_, b, bridges.views), kMinSharedPoints, seed);
   }
 
   // Counts the two views that `fits` says do.
