@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -23,8 +24,9 @@ constexpr double kMaxSigmas = 3.5;
 // Two views that contradict are rare, and so are positions that err by this much (1 in 20): both at
 // once are a copy.
 constexpr double kMaxSigmasOfDoubted = 2.5;
-// The fit must know scale and turn of a draft as well as this (as georegistration asks).
-constexpr double kMaxTurnRad = 0.25;
+// The fit must know scale and turn of a draft as well as this, twice what georegistration asks: a
+// photo near the fitted ones is known better than one far away, and Contradicts() allows for that.
+constexpr double kMaxTurnRad = 0.5;
 // What a draft that was never adjusted with positions bends: KITTI's second drive with a guessed
 // focal length was 0.9 m off within 50 m. The repetitions of facades that matter are meters.
 constexpr double kDriftM = 2.0;
@@ -41,6 +43,8 @@ constexpr double kNoiseQuantileSigmas = 0.8446;  // Of a normal error in the pla
 // Positions that state no accuracy are believed to err this share of the default at least.
 constexpr double kLeastNoiseOfUnstated = 1.0 / 3.0;
 
+// A fit whose scale or turn is less certain makes steps of its own.
+constexpr double kMaxTurnOfStepRad = 0.25;
 // Photos before and after a step whose mean errors are compared. More would average over the bends
 // of a draft, and fewer do not tell a step from noise.
 constexpr int kMaxStepPhotos = 6;
@@ -227,9 +231,26 @@ double GpsCheck::NoiseOfRow() const {
   return Median(std::move(changes)) / (kMedianSigmas * chance);
 }
 
+std::vector<GpsCheck::Miss> GpsCheck::UsualMisses(int first, int number, double noise_m) const {
+  const auto begin = misses_.begin() + first, end = begin + number;
+  const auto median_of = [&](int axis) {
+    std::vector<double> errors_m;
+    std::transform(begin, end, std::back_inserter(errors_m),
+                   [&](const Miss& miss) { return miss.error_m[axis]; });
+    return Median(std::move(errors_m));
+  };
+  const Eigen::Vector2d median_m(median_of(0), median_of(1));
+  std::vector<Miss> usual;
+  std::copy_if(begin, end, std::back_inserter(usual), [&](const Miss& miss) {
+    return (miss.error_m - median_m).norm() <=
+           kMaxStepSigmas * std::max(noise_m, miss.sigma_m) + kDriftM;
+  });
+  return usual.empty() ? std::vector<Miss>(begin, end) : usual;
+}
+
 std::vector<int> GpsCheck::BeyondStep() const {
   const int count = static_cast<int>(misses_.size());
-  if (count < 2 * kMinStepPhotos) {
+  if (count < 2 * kMinStepPhotos || fit_sigma_m_ > kMaxTurnOfStepRad * spread_m_) {
     return {};
   }
   const double noise_m = NoiseOfRow();
@@ -241,10 +262,12 @@ std::vector<int> GpsCheck::BeyondStep() const {
     Eigen::Vector2d step_m = Eigen::Vector2d::Zero(), way_m = Eigen::Vector2d::Zero();
     double sq_sigma_m = 0.0;
     const auto add = [&](int first, int number, double sign) {
-      for (int k = first; k < first + number; ++k) {
-        step_m += sign / number * misses_[k].error_m;
-        way_m += sign / number * misses_[k].in_enu;
-        sq_sigma_m += std::pow(std::max(noise_m, misses_[k].sigma_m) / number, 2);
+      const std::vector<Miss> usual = UsualMisses(first, number, noise_m);
+      const double share = sign / static_cast<double>(usual.size());
+      for (const Miss& miss : usual) {
+        step_m += share * miss.error_m;
+        way_m += share * miss.in_enu;
+        sq_sigma_m += std::pow(share * std::max(noise_m, miss.sigma_m), 2);
       }
     };
     add(i - num_before, num_before, -1.0);

@@ -55,6 +55,9 @@ class GpsCheck {
     double sigma_m = 0.0;    // Of the position, an axis.
   };
 
+  // Of `number` misses from `first` on, those near their median; all, if none is. One position that
+  // is far off is no step.
+  std::vector<Miss> UsualMisses(int first, int number, double noise_m) const;
   // The noise an axis that photos in a row show, whatever steps there are between some of them.
   double NoiseOfRow() const;
   double SigmaOf(const MappingPhoto& photo) const;

@@ -28,7 +28,7 @@ constexpr int kMinBridgePhotos = 2;
 constexpr int kBridgesBeyondDoubt = 4;
 // The same if positions tell the places of both segments, and so would contradict a wrong union.
 constexpr int kBridgesWithPlaces = 2;
-// A union loses at most this share of the photos of its smaller segment.
+// A union loses at most one photo, or this share of those of each segment.
 constexpr double kMaxLostShare = 0.1;
 // Two segments whose positions err by so much more in the union than in each of them are not where
 // the union has them. A few positions always fit, and then say that they err.
@@ -285,7 +285,7 @@ class Joiner {
     const auto num_lost = std::count_if(part.photo_of_image.begin(), part.photo_of_image.end(),
                                         [&](int photo) { return !draft.Has(photo); });
     return static_cast<double>(num_lost) >
-           kMaxLostShare * static_cast<double>(part.photo_of_image.size());
+           std::max(1.0, kMaxLostShare * static_cast<double>(part.photo_of_image.size()));
   }
 
   // The draft takes the place of both segments.

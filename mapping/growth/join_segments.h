@@ -20,8 +20,9 @@ namespace cairn {
 // - two of these two views are as strong as GrowthOptions::min_link_share asks, compared with the
 //   strongest two views that both their photos have within their segments: a copy of a facade is
 //   linked more weakly,
-// - positions contradict no photo, and nine tenths of the photos of the smaller segment keep
-//   GrowthOptions::min_inliers observations.
+// - nine tenths of the photos of each segment, or all but one, are not contradicted by positions
+// and
+//   keep GrowthOptions::min_inliers observations.
 // Segments that do not join stay as they were. A photo that leaves gets a verdict. Deterministic.
 void JoinSegments(const GrowthScene& scene, std::vector<Segment>* segments,
                   std::vector<PhotoVerdict>* verdicts);

@@ -163,6 +163,36 @@ TEST(GpsCheck, FindsThePositionThatIsFarOff) {
   }
 }
 
+// Photos of two copies 24 m apart, which stand in one place: too short for a scale to be certain,
+// and long enough to tell 24 m.
+TEST(GpsCheck, ContradictsACopyOfAShortWalk) {
+  int num_found = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const PhotoSet set = Walk(15, seed);
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    for (int i = 0; i < 15; ++i) {
+      draft.Add(i, PoseAt(kStepM * (i < 8 ? i : i - 8)));
+    }
+    num_found += CountContradicted(set, draft) >= 5 ? 1 : 0;
+  }
+  EXPECT_GE(num_found, 15);
+}
+
+// One position that is 100 m off, among few, is no step.
+TEST(GpsCheck, FindsNoStepInOnePosition) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    PhotoSet set = Walk(10, seed);
+    set.photos[3].gps->lat_rad += 1.6e-5;
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    for (int i = 0; i < 10; ++i) {
+      draft.Add(i, PoseAt(kStepM * i));
+    }
+    EXPECT_TRUE(GpsCheck(set, draft, 15.0, 1).BeyondStep().empty()) << seed;
+  }
+}
+
 // A copy that is 17 m off: too little for many a photo with 5 m of accuracy, too much for a row.
 TEST(GpsCheck, FindsTheStepOfARowOfPhotos) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
