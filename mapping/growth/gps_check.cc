@@ -24,9 +24,12 @@ constexpr double kMaxSigmas = 3.5;
 // Two views that contradict are rare, and so are positions that err by this much (1 in 20): both at
 // once are a copy.
 constexpr double kMaxSigmasOfDoubted = 2.5;
-// The fit must know scale and turn of a draft as well as this, twice what georegistration asks: a
-// photo near the fitted ones is known better than one far away, and Contradicts() allows for that.
-constexpr double kMaxTurnRad = 0.5;
+// The fit must know scale and turn of a draft as well as this to tell where it is (as
+// georegistration asks).
+constexpr double kMaxTurnRad = 0.25;
+// The same to contradict a photo: near the fitted photos, a fit is better than far away, and
+// Contradicts() allows for that.
+constexpr double kMaxTurnToContradictRad = 0.5;
 // What a draft that was never adjusted with positions bends: KITTI's second drive with a guessed
 // focal length was 0.9 m off within 50 m. The repetitions of facades that matter are meters.
 constexpr double kDriftM = 2.0;
@@ -43,8 +46,6 @@ constexpr double kNoiseQuantileSigmas = 0.8446;  // Of a normal error in the pla
 // Positions that state no accuracy are believed to err this share of the default at least.
 constexpr double kLeastNoiseOfUnstated = 1.0 / 3.0;
 
-// A fit whose scale or turn is less certain makes steps of its own.
-constexpr double kMaxTurnOfStepRad = 0.25;
 // Photos before and after a step whose mean errors are compared. More would average over the bends
 // of a draft, and fewer do not tell a step from noise.
 constexpr int kMaxStepPhotos = 6;
@@ -206,7 +207,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
   }
   spread_m_ = std::sqrt(spread_m_);
   fit_sigma_m_ = Median(std::move(sigmas_m)) / std::sqrt(count);
-  if (IsFit(fit) && fit_sigma_m_ <= kMaxTurnRad * spread_m_) {
+  if (IsFit(fit) && fit_sigma_m_ <= kMaxTurnToContradictRad * spread_m_) {
     enu_from_world_ = fit;
     line_in_enu_ = FitLine(kept, fit, &across_m_);
     for (const Fix& fix : fixes) {
@@ -217,6 +218,10 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
     std::sort(misses_.begin(), misses_.end(),
               [](const Miss& p, const Miss& q) { return p.photo < q.photo; });
   }
+}
+
+bool GpsCheck::KnowsPlace() const {
+  return enu_from_world_ && fit_sigma_m_ <= kMaxTurnRad * spread_m_;
 }
 
 double GpsCheck::NoiseOfRow() const {
@@ -231,51 +236,58 @@ double GpsCheck::NoiseOfRow() const {
   return Median(std::move(changes)) / (kMedianSigmas * chance);
 }
 
-std::vector<GpsCheck::Miss> GpsCheck::UsualMisses(int first, int number, double noise_m) const {
-  const auto begin = misses_.begin() + first, end = begin + number;
+std::vector<GpsCheck::Miss> GpsCheck::UsualOf(const std::vector<Miss>& misses, double noise_m) {
   const auto median_of = [&](int axis) {
     std::vector<double> errors_m;
-    std::transform(begin, end, std::back_inserter(errors_m),
-                   [&](const Miss& miss) { return miss.error_m[axis]; });
+    for (const Miss& miss : misses) {
+      errors_m.push_back(miss.error_m[axis]);
+    }
     return Median(std::move(errors_m));
   };
   const Eigen::Vector2d median_m(median_of(0), median_of(1));
   std::vector<Miss> usual;
-  std::copy_if(begin, end, std::back_inserter(usual), [&](const Miss& miss) {
+  std::copy_if(misses.begin(), misses.end(), std::back_inserter(usual), [&](const Miss& miss) {
     return (miss.error_m - median_m).norm() <=
            kMaxStepSigmas * std::max(noise_m, miss.sigma_m) + kDriftM;
   });
-  return usual.empty() ? std::vector<Miss>(begin, end) : usual;
+  return usual;
+}
+
+double GpsCheck::StepShare(const std::vector<Miss>& before, const std::vector<Miss>& after,
+                           double noise_m) const {
+  Eigen::Vector2d step_m = Eigen::Vector2d::Zero(), way_m = Eigen::Vector2d::Zero();
+  double sq_sigma_m = 0.0;
+  for (const auto& [misses, sign] : {std::pair(&before, -1.0), std::pair(&after, 1.0)}) {
+    const double share = sign / static_cast<double>(misses->size());
+    for (const Miss& miss : *misses) {
+      step_m += share * miss.error_m;
+      way_m += share * miss.in_enu;
+      sq_sigma_m += std::pow(share * std::max(noise_m, miss.sigma_m), 2);
+    }
+  }
+  return step_m.norm() /
+         (kMaxStepSigmas * std::sqrt(sq_sigma_m) + kDriftM + kDriftShare * way_m.norm());
 }
 
 std::vector<int> GpsCheck::BeyondStep() const {
   const int count = static_cast<int>(misses_.size());
-  if (count < 2 * kMinStepPhotos || fit_sigma_m_ > kMaxTurnOfStepRad * spread_m_) {
+  if (count < 2 * kMinStepPhotos || !KnowsPlace()) {
     return {};
   }
   const double noise_m = NoiseOfRow();
   int worst = -1;
-  double most = 1.0;
+  double most = 0.0;
   for (int i = kMinStepPhotos; i + kMinStepPhotos <= count; ++i) {
-    const int num_before = std::min(i, kMaxStepPhotos);
-    const int num_after = std::min(count - i, kMaxStepPhotos);
-    Eigen::Vector2d step_m = Eigen::Vector2d::Zero(), way_m = Eigen::Vector2d::Zero();
-    double sq_sigma_m = 0.0;
-    const auto add = [&](int first, int number, double sign) {
-      const std::vector<Miss> usual = UsualMisses(first, number, noise_m);
-      const double share = sign / static_cast<double>(usual.size());
-      for (const Miss& miss : usual) {
-        step_m += share * miss.error_m;
-        way_m += share * miss.in_enu;
-        sq_sigma_m += std::pow(share * std::max(noise_m, miss.sigma_m), 2);
-      }
-    };
-    add(i - num_before, num_before, -1.0);
-    add(i, num_after, 1.0);
-    const double limit_m =
-        kMaxStepSigmas * std::sqrt(sq_sigma_m) + kDriftM + kDriftShare * way_m.norm();
-    const double share = step_m.norm() / limit_m;
-    if (share > most) {
+    const auto middle = misses_.begin() + i;
+    const std::vector<Miss> before(middle - std::min(i, kMaxStepPhotos), middle);
+    const std::vector<Miss> after(middle, middle + std::min(count - i, kMaxStepPhotos));
+    const std::vector<Miss> usual_before = UsualOf(before, noise_m);
+    const std::vector<Miss> usual_after = UsualOf(after, noise_m);
+    // Beside a step, the usual misses are those of one copy; all of them tell where it is.
+    const double share = StepShare(before, after, noise_m);
+    if (share > most && static_cast<int>(usual_before.size()) >= kMinStepPhotos &&
+        static_cast<int>(usual_after.size()) >= kMinStepPhotos &&
+        StepShare(usual_before, usual_after, noise_m) > 1.0) {
       most = share;
       worst = i;
     }

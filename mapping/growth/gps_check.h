@@ -34,11 +34,13 @@ class GpsCheck {
   // The photos, in the order of the set, on the smaller side of the largest step in the errors of
   // the positions, if that step is more than chance and drift make: ascending, or none. One photo
   // after the other, walks have errors that are random or change slowly, and a copy of a facade
-  // moves all photos from one on by the same vector, which may be too short for Contradicts().
+  // moves all photos from one on by the same vector, which may be too short for Contradicts(). None
+  // unless KnowsPlace(): a wrong scale makes steps. Single positions that are far off do not count.
   std::vector<int> BeyondStep() const;
 
-  // True if the positions determine where the draft is.
-  bool KnowsPlace() const { return enu_from_world_.has_value(); }
+  // True if the positions determine where the draft is: its scale and turn to a quarter. To
+  // contradict photos near the others, half is enough.
+  bool KnowsPlace() const;
 
   // How many times what they state the positions err, about the fit to all of them or to most; at
   // least 1, also if nothing is checked.
@@ -55,9 +57,12 @@ class GpsCheck {
     double sigma_m = 0.0;    // Of the position, an axis.
   };
 
-  // Of `number` misses from `first` on, those near their median; all, if none is. One position that
-  // is far off is no step.
-  std::vector<Miss> UsualMisses(int first, int number, double noise_m) const;
+  // Those near the median of all: one position that is far off is no step.
+  static std::vector<Miss> UsualOf(const std::vector<Miss>& misses, double noise_m);
+  // The step from the mean of some misses to that of others, relative to what chance and drift
+  // make.
+  double StepShare(const std::vector<Miss>& before, const std::vector<Miss>& after,
+                   double noise_m) const;
   // The noise an axis that photos in a row show, whatever steps there are between some of them.
   double NoiseOfRow() const;
   double SigmaOf(const MappingPhoto& photo) const;

@@ -28,7 +28,7 @@ constexpr int kMinBridgePhotos = 2;
 constexpr int kBridgesBeyondDoubt = 4;
 // The same if positions tell the places of both segments, and so would contradict a wrong union.
 constexpr int kBridgesWithPlaces = 2;
-// A union loses at most one photo, or this share of those of each segment.
+// Of each segment, a union loses at most one photo, or this share if that is more.
 constexpr double kMaxLostShare = 0.1;
 // Two segments whose positions err by so much more in the union than in each of them are not where
 // the union has them. A few positions always fit, and then say that they err.
@@ -167,8 +167,12 @@ class Joiner {
     if (auto alignment = AlignSegments(scene_.tracks, a, b, kMinSharedPoints, seed)) {
       return alignment;
     }
-    return AlignSegments(scene_.tracks, WithGuests(scene_, a, bridges.views),
-                         WithGuests(scene_, b, bridges.views), kMinSharedPoints, seed);
+    const auto guests_in_a = WithGuests(scene_, a, b, bridges.views);
+    const auto guests_in_b = WithGuests(scene_, b, a, bridges.views);
+    return guests_in_a || guests_in_b
+               ? AlignSegments(scene_.tracks, guests_in_a ? *guests_in_a : a,
+                               guests_in_b ? *guests_in_b : b, kMinSharedPoints, seed)
+               : std::nullopt;
   }
 
   // Counts the two views that `fits` says do.

@@ -13,15 +13,16 @@ namespace cairn {
 // Tries pairs of segments that two views link, those with the most inliers first, until no pair
 // joins any more; then segments that joined grow on, and the pairs that changed are tried again.
 // Two segments become one if (decision 66):
-// - enough tracks agree on a similarity (AlignSegments), if not alone, then with the photos of each
-//   segment that the other localizes in both,
+// - enough tracks agree on a similarity (AlignSegments); if not, photos of each segment that join
+//   the other count as photos of both (WithGuests),
 // - in the adjusted union, the inliers of most two views between them fit: those of at least three
-//   two views, with two photos on each side and four times the inliers of those that do not fit,
+//   two views, with two photos on each side, and four times the inliers of those that do not fit;
+//   twice, if positions tell the places of both segments,
 // - two of these two views are as strong as GrowthOptions::min_link_share asks, compared with the
 //   strongest two views that both their photos have within their segments: a copy of a facade is
 //   linked more weakly,
-// - nine tenths of the photos of each segment, or all but one, are not contradicted by positions
-// and
+// - the positions show no step and do not err much more than in the segments alone,
+// - of each segment, nine tenths of the photos or all but one are not contradicted by positions and
 //   keep GrowthOptions::min_inliers observations.
 // Segments that do not join stay as they were. A photo that leaves gets a verdict. Deterministic.
 void JoinSegments(const GrowthScene& scene, std::vector<Segment>* segments,

@@ -34,8 +34,9 @@ std::optional<PairPose> FindPairPose(std::span<const RayMatch> rays, const TwoVi
 std::optional<PairPose> SettlePose(std::span<const RayMatch> rays, const Rigid3d& b_from_a,
                                    int min_inliers);
 
-// A two view without photos and focal lengths: the pose is refined with the errors that its inliers
-// show (NoiseOf). `matches` are those that the rays were made of.
+// A two view without photos and focal lengths. Its pose is that of `found`, refined with the errors
+// that the inliers show (NoiseOf) on all rays within four of these; its inliers stay those of
+// `found`. `matches` are those that the rays were made of.
 TwoView MakeTwoView(const PairRays& rays, const PairPose& found,
                     std::span<const FeatureMatch> matches);
 

@@ -163,20 +163,41 @@ TEST(GpsCheck, FindsThePositionThatIsFarOff) {
   }
 }
 
-// Photos of two copies 24 m apart, which stand in one place: too short for a scale to be certain,
-// and long enough to tell 24 m.
+// Photos of two copies 15 m apart, which stand in one place: too short for the scale to be known to
+// a quarter, and long enough to contradict a copy.
 TEST(GpsCheck, ContradictsACopyOfAShortWalk) {
-  int num_found = 0;
+  int num_found = 0, num_known = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
-    const PhotoSet set = Walk(15, seed);
+    const PhotoSet set = Walk(11, seed);
     const TrackTable tracks(set, {});
     Draft draft(set, tracks, {set.cameras[0].camera}, 1);
-    for (int i = 0; i < 15; ++i) {
-      draft.Add(i, PoseAt(kStepM * (i < 8 ? i : i - 8)));
+    for (int i = 0; i < 11; ++i) {
+      draft.Add(i, PoseAt(kStepM * (i < 6 ? i : i - 6)));
     }
-    num_found += CountContradicted(set, draft) >= 5 ? 1 : 0;
+    num_known += GpsCheck(set, draft, 15.0, 1).KnowsPlace() ? 1 : 0;
+    num_found += CountContradicted(set, draft) > 0 ? 1 : 0;
   }
-  EXPECT_GE(num_found, 15);
+  EXPECT_LE(num_known, 12);
+  EXPECT_GE(num_found, 14);
+}
+
+// Where all photos are in one place, the positions spread by their errors.
+TEST(GpsCheck, KnowsNoPlaceOfPhotosThatStandTogether) {
+  int num_known = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    PhotoSet set = Walk(5, seed);
+    const TrackTable tracks(set, {});
+    Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+    const Rigid3d ecef_from_enu = EcefFromEnu(Geodetic::FromDegrees(47.0, 8.0, 400.0));
+    for (int i = 0; i < 5; ++i) {
+      const Eigen::Vector3d back(-kStepM * i, 0.0, 0.0);
+      set.photos[i].gps =
+          GeodeticFromEcef(EcefFromGeodetic(*set.photos[i].gps) + ecef_from_enu.rotation * back);
+      draft.Add(i, PoseAt(0.01 * i));
+    }
+    num_known += GpsCheck(set, draft, 15.0, 1).KnowsPlace() ? 1 : 0;
+  }
+  EXPECT_LE(num_known, 2);
 }
 
 // One position that is 100 m off, among few, is no step.
@@ -195,6 +216,7 @@ TEST(GpsCheck, FindsNoStepInOnePosition) {
 
 // A copy that is 17 m off: too little for many a photo with 5 m of accuracy, too much for a row.
 TEST(GpsCheck, FindsTheStepOfARowOfPhotos) {
+  int num_exact = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     const PhotoSet set = Walk(30, seed);
     const TrackTable tracks(set, {});
@@ -206,7 +228,9 @@ TEST(GpsCheck, FindsTheStepOfARowOfPhotos) {
     ASSERT_FALSE(beyond.empty()) << seed;
     EXPECT_NEAR(beyond.front(), 20, 2) << seed;
     EXPECT_EQ(beyond.back(), 29) << seed;
+    num_exact += beyond.front() == 20 ? 1 : 0;
   }
+  EXPECT_GE(num_exact, 17);
 }
 
 // Noise, a bias that changes slowly, and the bend of a draft are no steps.

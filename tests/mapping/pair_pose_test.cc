@@ -62,8 +62,8 @@ TEST(NoiseOf, ComparesErrorsWithThoseStated) {
   EXPECT_EQ(NoiseOf(WithNoise(rays.rays, 0.01), found.inliers, found.pose.b_from_a), 1.0);
 }
 
-// A turn by 14 degrees moves the wall by no more than keypoints may err that are as rough as
-// stated.
+// A turn by 14 degrees more than the camera's moves the wall by no more than keypoints may err that
+// are as rough as stated.
 TEST(MakeTwoView, ExactKeypointsTellAShortWalkFromATurn) {
   const PairRays rays = MatchesOfAWall(0);
   const PairPose found = Found(rays);
