@@ -73,6 +73,31 @@ TEST(MakeTwoView, ExactKeypointsTellAShortWalkFromATurn) {
   EXPECT_EQ(MakeTwoView(rays, found, matches).kind, TwoViewKind::kGeneral);
 }
 
+// The stated focal length is 6 % too long, so rays fit a rotation less well than keypoints are
+// exact.
+TEST(MakeTwoView, ATurnUnderAFocalLengthThatIsOffStaysATurn) {
+  std::mt19937_64 rng(7);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::normal_distribution<double> noise(0.0, kRealRad);
+  const Eigen::Quaterniond turn = ExpSo3({0.0, 0.25, 0.0});
+  PairRays rays;
+  for (int i = 0; i < kNumRight; ++i) {
+    const Eigen::Vector3d x(-0.15 + 0.3 * unit(rng), 0.35 * unit(rng), 1.0);
+    const auto seen = [&](const Eigen::Vector3d& ray) {
+      return Eigen::Vector3d(ray.x() / ray.z() / 1.06 + noise(rng),
+                             ray.y() / ray.z() / 1.06 + noise(rng), 1.0)
+          .normalized();
+    };
+    const Eigen::Vector3d a = seen(x), b = seen(turn * x);
+    rays.rays.push_back({a, b, EvenSpread(a, kStatedRad), EvenSpread(b, kStatedRad)});
+    rays.match_of_ray.push_back(i);
+  }
+  const auto found = FindPairPose(rays.rays, TwoViewOptions(), 0.0, 1);
+  ASSERT_TRUE(found);
+  const TwoView view = MakeTwoView(rays, *found, std::vector<FeatureMatch>(rays.rays.size()));
+  EXPECT_EQ(view.kind, TwoViewKind::kRotationOnly);
+}
+
 TEST(MakeTwoView, MatchesThatAreWrongByLittleBendNothing) {
   const PairRays rays = MatchesOfAWall(20);
   const PairPose found = Found(rays);
