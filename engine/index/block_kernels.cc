@@ -12,10 +12,10 @@ namespace {
 // For each row of a block, computes the product of the query's values with the row's bytes.
 void PlainProducts(const BlockQuery& query, const uint8_t* block, int stride, int32_t* products) {
   std::fill_n(products, kBlockRows, 0);
-  for (int begin = 0; begin < stride; begin += kGroupDims) {
+  for (int begin = 0; begin < stride; begin += kGroupDims, block += kBlockRows * kGroupDims) {
     for (int row = 0; row < kBlockRows; ++row) {
       for (int j = 0; j < kGroupDims; ++j) {
-        products[row] += query.values[begin + j] * *block++;
+        products[row] += query.values[begin + j] * block[row * kGroupDims + kDimOfValue[j]];
       }
     }
   }

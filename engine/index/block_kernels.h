@@ -18,13 +18,16 @@ namespace cairn {
 // the bytes as stored.
 inline constexpr int kBlockRows = 16;
 inline constexpr int kGroupDims = 4;
+// The order of a group's dimensions in BlockQuery::values: two that lie 16 bits apart among the
+// bytes of a row are multiplied at once.
+inline constexpr int kDimOfValue[kGroupDims] = {0, 2, 1, 3};
 
 // A query prepared for the kernels.
 struct BlockQuery {
-  const int16_t* values = nullptr;  // q - c, `stride` values.
-  const int8_t* parts = nullptr;  // num_parts x stride bytes whose sum over the parts is `values`.
-  int num_parts = 0;              // 1 unless the query is far outside the range of the descriptors.
-  int32_t constant = 0;           // |q - c|^2 + 2 (q - c).c.
+  const int16_t* values = nullptr;  // q - c, `stride` values; each group in the order kDimOfValue.
+  const int8_t* parts = nullptr;    // num_parts x stride bytes whose sum over the parts is q - c.
+  int num_parts = 0;     // 1 unless the query is far outside the range of the descriptors.
+  int32_t constant = 0;  // |q - c|^2 + 2 (q - c).c.
   // True if num_parts is 1 and the products of two neighboring values with any two bytes add up to
   // 16 bits.
   bool has_narrow_pairs = false;

@@ -24,15 +24,16 @@ class Avx2AnyQuery {
     for (int group = 0; group < stride_ / kGroupDims; ++group) {
       const int16_t* values = query_.values + group * kGroupDims;
       products = _mm256_add_epi32(products,
-                                  Products(bytes[2 * group], Values(values), Values(values + 1)));
+                                  Products(bytes[2 * group], Values(values), Values(values + 2)));
     }
     return _mm256_slli_epi32(products, 1);
   }
 
-  // Returns values 0 and 2, counted from `from`, of a group, in every lane.
+  // Returns two neighboring values in every lane.
   CAIRN_AVX2 static __m256i Values(const int16_t* from) {
-    return _mm256_set1_epi32(static_cast<uint16_t>(from[0]) |
-                             static_cast<int32_t>(static_cast<uint32_t>(from[2]) << 16));
+    int32_t two_values;
+    std::memcpy(&two_values, from, sizeof(two_values));
+    return _mm256_set1_epi32(two_values);
   }
   // Returns the products of one group. Even and odd bytes are multiplied separately.
   CAIRN_AVX2 static __m256i Products(const __m256i& bytes, __m256i even_values,
@@ -58,7 +59,7 @@ class Avx2SmallQuery {
   CAIRN_AVX2 explicit Avx2SmallQuery(const BlockQuery& query) {
     for (int group = 0; group < kNumSmallGroups; ++group) {
       even_[group] = Avx2AnyQuery::Values(query.values + group * kGroupDims);
-      odd_[group] = Avx2AnyQuery::Values(query.values + group * kGroupDims + 1);
+      odd_[group] = Avx2AnyQuery::Values(query.values + group * kGroupDims + 2);
     }
   }
   CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
@@ -79,30 +80,63 @@ class Avx2NarrowQuery {
  public:
   CAIRN_AVX2 explicit Avx2NarrowQuery(const BlockQuery& query) {
     for (int group = 0; group < kNumSmallGroups; ++group) {
-      int32_t four_values;
-      std::memcpy(&four_values, query.parts + group * kGroupDims, sizeof(four_values));
-      parts_[group] = _mm256_set1_epi32(four_values);
+      parts_[group] = Values(query.parts + group * kGroupDims);
     }
   }
   CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
     const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
     const auto products = [&](int group) CAIRN_AVX2 {
-      return _mm256_madd_epi16(
-          _mm256_maddubs_epi16(_mm256_loadu_si256(bytes + 2 * group), parts_[group]),
-          _mm256_set1_epi16(2));
+      return TwiceProducts(bytes + 2 * group, parts_[group]);
     };
     return Sum(products(0), products(1), products(2), products(3));
+  }
+
+  // Returns the values of one group in every lane.
+  CAIRN_AVX2 static __m256i Values(const int8_t* from) {
+    int32_t four_values;
+    std::memcpy(&four_values, from, sizeof(four_values));
+    return _mm256_set1_epi32(four_values);
+  }
+  // Of one group.
+  CAIRN_AVX2 static __m256i TwiceProducts(const __m256i* bytes, __m256i values) {
+    return _mm256_madd_epi16(_mm256_maddubs_epi16(_mm256_loadu_si256(bytes), values),
+                             _mm256_set1_epi16(2));
   }
 
  private:
   __m256i parts_[kNumSmallGroups];
 };
 
+// Takes any query with narrow pairs.
+class Avx2AnyNarrowQuery {
+ public:
+  Avx2AnyNarrowQuery(const BlockQuery& query, int stride) : parts_(query.parts), stride_(stride) {}
+
+  CAIRN_AVX2 __m256i TwiceProducts(const uint8_t* block, int half) const {
+    const auto* bytes = reinterpret_cast<const __m256i*>(block) + half;
+    const auto of_group = [&](int group) CAIRN_AVX2 {
+      return Avx2NarrowQuery::TwiceProducts(bytes + 2 * group,
+                                            Avx2NarrowQuery::Values(parts_ + group * kGroupDims));
+    };
+    __m256i products = _mm256_setzero_si256();
+    for (int group = 0; group < stride_ / kGroupDims; group += kNumSmallGroups) {
+      products = _mm256_add_epi32(products, Sum(of_group(group), of_group(group + 1),
+                                                of_group(group + 2), of_group(group + 3)));
+    }
+    return products;
+  }
+
+ private:
+  const int8_t* parts_;
+  int stride_;  // A multiple of 16 bytes.
+};
+
 // Calls use(q), where q is the query in its Avx2...Query class.
 template <typename Use>
 CAIRN_AVX2 inline auto WithAvx2Query(const BlockQuery& query, int stride, const Use& use) {
   if (stride != kNumSmallGroups * kGroupDims) {
-    return use(Avx2AnyQuery(query, stride));
+    return query.has_narrow_pairs ? use(Avx2AnyNarrowQuery(query, stride))
+                                  : use(Avx2AnyQuery(query, stride));
   }
   return query.has_narrow_pairs ? use(Avx2NarrowQuery(query)) : use(Avx2SmallQuery(query));
 }

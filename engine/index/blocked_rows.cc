@@ -15,6 +15,8 @@ namespace {
 constexpr int32_t kFarAway = 1 << 30;
 // Rows of 16 bytes each, which fill a part of a level 2 cache; whole blocks.
 constexpr size_t kRowsInCache = 4096;
+// Of rows that several queries are compared with, a half of a level 1 cache.
+constexpr size_t kScannedBytes = 16384;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }
 
@@ -76,14 +78,14 @@ CAIRN_VECTOR_CLONES void AddGroup(const BlockRun& run, const uint8_t* bytes, siz
 // Copies the groups of a row to their places in its block and returns |row - center|^2. A constant
 // stride lets the loops unroll; kStride 0 stands for any stride.
 template <int kStride>
-int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t* to) {
+int32_t CopyRow(const uint8_t* row, int any_stride, uint8_t center, uint8_t* to) {
   const int stride = kStride > 0 ? kStride : any_stride;
   for (int begin = 0; begin < stride; begin += kGroupDims) {
     std::memcpy(to + begin * kBlockRows, row + begin, kGroupDims);
   }
   int32_t sq_norm = 0;
   for (int dim = 0; dim < stride; ++dim) {
-    const int32_t centered = row[dim] - kRowCenter;
+    const int32_t centered = row[dim] - center;
     sq_norm += centered * centered;
   }
   return sq_norm;
@@ -130,8 +132,9 @@ int32_t Smallest(size_t count, std::vector<int32_t>* values) {
 
 }  // namespace
 
-BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order)
-    : size_(order.size()), stride_(stride), centers_(stride, kRowCenter) {
+BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order,
+                         uint8_t center)
+    : size_(order.size()), stride_(stride), centers_(stride, center) {
   constexpr size_t kAhead = 16;  // Number of rows that are prefetched.
   blocks_.assign(PaddedSize(size_) * stride, 0);
   sq_norms_.assign(PaddedSize(size_), kFarAway);
@@ -140,7 +143,7 @@ BlockedRows::BlockedRows(const uint8_t* rows, int stride, std::span<const uint32
     __builtin_prefetch(rows + size_t{order[std::min(i + kAhead, size_ - 1)]} * stride);
     uint8_t* to =
         blocks_.data() + i / kBlockRows * kBlockRows * stride + i % kBlockRows * kGroupDims;
-    sq_norms_[i] = copy(rows + size_t{order[i]} * stride, stride, to);
+    sq_norms_[i] = copy(rows + size_t{order[i]} * stride, stride, center, to);
   }
 }
 
@@ -191,6 +194,21 @@ BlockedRows::BlockedRows(const CodeWords& words, std::span<const uint8_t> codes,
   }
 }
 
+void BlockedRows::Scan(const BlockQueries& queries, size_t begin, size_t end,
+                       int32_t* sq_distances) const {
+  const BlockKernels& kernels = BestBlockKernels();
+  const size_t num_blocks = padded_size() / kBlockRows, block_size = size_t{kBlockRows} * stride_;
+  const size_t step = std::max<size_t>(1, kScannedBytes / block_size);
+  for (size_t block = 0; block < num_blocks; block += step) {
+    const size_t row = block * kBlockRows;
+    for (size_t query = begin; query < end; ++query) {
+      kernels.scan(queries[query], blocks_.data() + block * block_size, sq_norms_.data() + row,
+                   stride_, std::min(step, num_blocks - block),
+                   sq_distances + (query - begin) * padded_size() + row);
+    }
+  }
+}
+
 void BlockedRows::Sum(size_t begin, size_t end, uint32_t* sums) const {
   constexpr size_t kMaxRows = size_t{256} * kBlockRows;  // In at most 257 blocks.
   const size_t block_size = size_t{kBlockRows} * stride_;
@@ -234,16 +252,22 @@ void BlockedRows::Nearest(const BlockQuery& query, size_t count, NearestScratch*
 BlockQueries::BlockQueries(std::span<const int16_t> steps, std::span<const int16_t> centers)
     : stride_(centers.size()), values_(steps.size()), queries_(steps.size() / stride_) {
   parts_.reserve(steps.size());
+  std::vector<int16_t> values(stride_);
   for (size_t i = 0; i < queries_.size(); ++i) {
-    int16_t* values = values_.data() + i * stride_;
     BlockQuery& query = queries_[i];
     for (size_t dim = 0; dim < stride_; ++dim) {
       values[dim] = static_cast<int16_t>(steps[i * stride_ + dim] - centers[dim]);
       query.constant += values[dim] * (values[dim] + 2 * centers[dim]);
     }
-    query.values = values;
-    query.num_parts = AppendParts({values, stride_});
-    query.has_narrow_pairs = HasNarrowPairs({values, stride_});
+    query.num_parts = AppendParts(values);
+    query.has_narrow_pairs = HasNarrowPairs(values);
+    int16_t* ordered = values_.data() + i * stride_;
+    for (size_t group = 0; group < stride_; group += kGroupDims) {
+      for (int j = 0; j < kGroupDims; ++j) {
+        ordered[group + j] = values[group + kDimOfValue[j]];
+      }
+    }
+    query.values = ordered;
   }
   const int8_t* parts = parts_.data();
   for (BlockQuery& query : queries_) {

@@ -19,12 +19,16 @@ struct NearestScratch {
   std::vector<BlockHit> hits;
 };
 
+class BlockQueries;
+
 // Immutable; safe to use from any thread.
 class BlockedRows {
  public:
   // `rows` are row-major with `stride` bytes each (see distance_kernels.h). `order` lists the rows
-  // to hold, in order.
-  BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order);
+  // to hold, in order. Distances do not depend on `center`. They are computed fastest if queries
+  // have narrow pairs (see BlockQuery): if the bytes of queries lie near `center`.
+  BlockedRows(const uint8_t* rows, int stride, std::span<const uint32_t> order,
+              uint8_t center = kRowCenter);
   // `codes` are rows of words.num_subspaces() bytes, which are held in the given order.
   BlockedRows(const CodeWords& words, std::span<const uint8_t> codes);
   // `order` lists the rows of codes to hold, in order.
@@ -45,6 +49,9 @@ class BlockedRows {
   void Scan(const BlockQuery& query, int32_t* sq_distances) const {
     ScanWith(BestBlockKernels(), query, sq_distances);
   }
+  // The same for the queries from `begin` to `end`: `sq_distances` receives padded_size() numbers a
+  // query. Rows are read from the level 1 cache by all queries but the first.
+  void Scan(const BlockQueries& queries, size_t begin, size_t end, int32_t* sq_distances) const;
   // Returns the first of the nearest rows. There must be at least one row.
   size_t Nearest(const BlockQuery& query) const { return NearestWith(BestBlockKernels(), query); }
   // Appends the `count` nearest rows to `nearest`, in no particular order; among equally near rows,
@@ -100,7 +107,7 @@ class BlockedRows {
 
   size_t size_;
   int stride_;
-  std::vector<int16_t> centers_;  // The same for all rows: the middle of a byte's range.
+  std::vector<int16_t> centers_;  // The same for all rows and dimensions.
   // Aligned so that no group of a block crosses a cache line.
   LargeVector<uint8_t> blocks_;    // The last block is padded.
   LargeVector<int32_t> sq_norms_;  // About the centers, for whole blocks; large for padding rows.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -117,14 +118,15 @@ Hits ExpectedRange(const std::vector<int32_t>& sq_distances, size_t begin, size_
   return hits;
 }
 
-class BlockKernelsTest : public ::testing::TestWithParam<int> {};
+// The stride and the center of the rows.
+class BlockKernelsTest : public ::testing::TestWithParam<std::tuple<int, uint8_t>> {};
 
 // Every variant against plain distances row by row, as the variant would be used by BlockedRows.
 TEST_P(BlockKernelsTest, EveryVariantGivesTheSame) {
-  const int stride = GetParam();
+  const auto [stride, center] = GetParam();
   for (const size_t num_rows : {1u, 15u, 16u, 17u, 100u}) {
     const Scene scene(stride, num_rows, num_rows);
-    const BlockedRows blocked(scene.rows.data(), stride, scene.order);
+    const BlockedRows blocked(scene.rows.data(), stride, scene.order, center);
     const BlockQueries queries(scene.steps, blocked.centers());
     ASSERT_EQ(queries.size(), static_cast<size_t>(Scene::kNumQueries));
     for (const BlockKernels* kernels : SupportedBlockKernels()) {
@@ -154,7 +156,26 @@ TEST_P(BlockKernelsTest, EveryVariantGivesTheSame) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Strides, BlockKernelsTest, ::testing::Values(16, 32, 128));
+INSTANTIATE_TEST_SUITE_P(Strides, BlockKernelsTest,
+                         ::testing::Combine(::testing::Values(16, 32, 128),
+                                            ::testing::Values(kRowCenter, uint8_t{63})));
+
+// Of these rows, a level 1 cache holds several parts.
+TEST(BlockedRows, ScansSeveralQueriesAsOneByOne) {
+  constexpr size_t kNumRows = 1000;
+  const Scene scene(128, kNumRows, 3);
+  const BlockedRows blocked(scene.rows.data(), 128, scene.order);
+  const BlockQueries queries(scene.steps, blocked.centers());
+  constexpr size_t kBegin = 2, kEnd = 7;
+  std::vector<int32_t> scanned((kEnd - kBegin) * blocked.padded_size());
+  blocked.Scan(queries, kBegin, kEnd, scanned.data());
+  for (size_t query = kBegin; query < kEnd; ++query) {
+    const auto begin =
+        scanned.begin() + static_cast<ptrdiff_t>((query - kBegin) * blocked.padded_size());
+    EXPECT_EQ(std::vector<int32_t>(begin, begin + kNumRows),
+              scene.Expected(static_cast<int>(query)));
+  }
+}
 
 TEST(BlockedRows, NearestOfEqualRowsIsTheFirst) {
   const std::vector<uint8_t> rows(40 * 16, 7);
