@@ -21,7 +21,7 @@ struct ScoreCalibration {
   // exp(-false_alarm_slope * (score - false_alarm_start)), and 1 below the start. The slope is
   // positive. In theory the slope is 1; repeated descriptors make it smaller.
   double false_alarm_slope = 0.3;
-  double false_alarm_start = -15.0;
+  double false_alarm_start = -20.0;
   // Factors on the standard deviations that the matches predict, chosen so that 68 % of the truths
   // lie within the radii. Positive.
   double position_accuracy_factor = 1.35;
