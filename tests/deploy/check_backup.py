@@ -75,7 +75,9 @@ def check_file(cairn, map_path, scratch):
     copy = f"{scratch}/copy.gpkg"
     server = cluster.Server(cairn, map_path, cache_mb=64)
     try:
-        possible = back_up(cairn, map_path, ["sqlite3", map_path, f".backup '{copy}'"])
+        # Without the timeout, a backup may end with "database is locked".
+        possible = back_up(cairn, map_path, ["sqlite3", "-cmd", ".timeout 60000", map_path,
+                                             f".backup '{copy}'"])
         output_of(cairn, "check", copy)
         version = version_of(cairn, copy)
         expect(version in possible, "the copy has a version of its time")
