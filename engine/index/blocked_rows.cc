@@ -15,7 +15,8 @@ namespace {
 constexpr int32_t kFarAway = 1 << 30;
 // Rows of 16 bytes each, which fill a part of a level 2 cache; whole blocks.
 constexpr size_t kRowsInCache = 4096;
-// Of rows that several queries are compared with, a half of a level 1 cache.
+// So many bytes of rows fill half of a level 1 cache; several queries are compared with them in
+// turn.
 constexpr size_t kScannedBytes = 16384;
 
 size_t PaddedSize(size_t num_rows) { return (num_rows + kBlockRows - 1) / kBlockRows * kBlockRows; }

@@ -15,8 +15,8 @@ namespace cairn {
 namespace {
 
 constexpr float kStepsOfUnit = 512.0f;
-// The largest center about which two bytes of 0 are narrow (BlockQuery); most others of RootSIFT,
-// whose root mean square is 45, are too.
+// The largest center about which two bytes of 0 are a narrow pair (BlockQuery). All pairs are
+// narrow in 99 of 100 descriptors of Lund and of KITTI.
 constexpr uint8_t kRootSiftCenter = 63;
 // Keypoints nearer to each other than this are one place: SIFT finds a corner at several scales and
 // orientations.
@@ -26,9 +26,10 @@ constexpr float kSamePlacePx = 10.0f;
 // 0.8, as in the other direction, costs a seventh of the two views of a street (Lund), 0.9 a
 // twentieth.
 constexpr double kMaxTwinRatio = 0.9;
-constexpr int kQueriesAtOnce = 8;
+constexpr int kQueriesAtOnce = 8;  // Their distances to 4,000 descriptors fill 128 kB.
 constexpr int32_t kNothingNear = std::numeric_limits<int32_t>::max();
 
+// The root of each number's share of the sum, in steps of 1 / kStepsOfUnit.
 CAIRN_EXACT_VECTOR_CLONES void RootSift(const uint8_t* raw, int size, uint8_t* root) {
   int sum = 0;
   for (int i = 0; i < size; ++i) {

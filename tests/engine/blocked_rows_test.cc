@@ -306,15 +306,17 @@ TEST(BlockedRows, HoldNothing) {
 }
 
 // The largest products of narrow pairs, which must not saturate.
-TEST(BlockedRows, NarrowPairsOfExtremeBytesAreExact) {
-  constexpr int kStride = 16;
-  std::vector<uint8_t> rows(size_t{2} * kStride, 255);
-  std::fill_n(rows.begin(), kStride, uint8_t{0});
-  const BlockedRows blocked(rows.data(), kStride, std::vector<uint32_t>{0, 1});
+class NarrowPairs : public ::testing::TestWithParam<int> {};
+
+TEST_P(NarrowPairs, OfExtremeBytesAreExact) {
+  const int stride = GetParam();
+  std::vector<uint8_t> rows(size_t{2} * stride, 255);
+  std::fill_n(rows.begin(), stride, uint8_t{0});
+  const BlockedRows blocked(rows.data(), stride, std::vector<uint32_t>{0, 1});
   for (const auto& [even, odd] : std::vector<std::pair<int, int>>{
            {127, 0}, {0, 127}, {64, 63}, {-127, 0}, {-64, -63}, {127, -127}}) {
     std::vector<int16_t> steps;
-    for (int dim = 0; dim < kStride; ++dim) {
+    for (int dim = 0; dim < stride; ++dim) {
       steps.push_back(static_cast<int16_t>(128 + (dim % 2 == 0 ? even : odd)));
     }
     const BlockQueries queries(steps, blocked.centers());
@@ -324,11 +326,13 @@ TEST(BlockedRows, NarrowPairsOfExtremeBytesAreExact) {
       blocked.ScanWith(*kernels, queries[0], scanned.data());
       for (int row = 0; row < 2; ++row) {
         const int a = steps[0] - 255 * row, b = steps[1] - 255 * row;
-        EXPECT_EQ(scanned[row], kStride / 2 * (a * a + b * b)) << kernels->name;
+        EXPECT_EQ(scanned[row], stride / 2 * (a * a + b * b)) << kernels->name;
       }
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Strides, NarrowPairs, ::testing::Values(16, 128));
 
 TEST(BlockQueries, KnowWhetherTheirPairsAreNarrow) {
   const std::vector<int16_t> centers(16, 128);
