@@ -167,6 +167,37 @@ TEST(EndlessRTree, SearchesChecksAndUpdatesEnd) {
             ErrorCode::kMapDamaged);
 }
 
+// A keyframe of the past that changed in each of twelve thousand versions. A check that looks for
+// each of its poses among all of them works longer than a file of this size allows.
+TEST(MapOfManyVersions, IsNotTakenForEndless) {
+  const testing::TempDir dir;
+  const std::string path = testing::MakeStreetMap(dir.File("a.gpkg"));
+  {
+    MapStore store = MapStore::Open(path, OpenMode::kReadWrite);
+    MapUpdate update = store.BeginUpdate();
+    update.RemoveTile(store.Snapshot().AllTiles(1)[0].tile_id);
+    update.RemoveKeyframe(KeyframeId(1));
+    update.Publish();
+  }
+  const std::string later =
+      "WITH RECURSIVE later (version) AS (SELECT 3 UNION ALL "
+      "SELECT version + 1 FROM later WHERE version < 12000) ";
+  testing::ExecuteRaw(
+      path,
+      "UPDATE cairn_versions SET version = 12001 WHERE version = 3;"
+      "UPDATE cairn_past_tiles SET until = 12001;" +
+          later +
+          "INSERT INTO cairn_versions SELECT l.version, created_at, author, kind, session, "
+          "summary, codebook_id, num_sessions, num_keyframes, num_tiles, num_landmarks, "
+          "num_descriptors, payload_bytes, south_deg, west_deg, north_deg, east_deg "
+          "FROM cairn_versions AS v CROSS JOIN later AS l WHERE v.version = 2;" +
+          later +
+          "INSERT INTO cairn_past_keyframes SELECT keyframe_id, l.version, l.version + 1, "
+          "session_id, tile_id, image_name, camera_id, qw, qx, qy, qz, tx_m, ty_m, tz_m "
+          "FROM cairn_past_keyframes CROSS JOIN later AS l");
+  EXPECT_THAT(MapStore::Open(path, OpenMode::kReadOnly).Check({}).problems, IsEmpty());
+}
+
 TEST(SqlTimeLimit, StopsAQueryThatNeverEnds) {
   const testing::TempDir dir;
   const std::string path = testing::MakeStreetMap(dir.File("a.gpkg"));

@@ -151,6 +151,14 @@ TEST_P(MapCheckOfThePast, RowsOfVersionsThatAreNotKept) {
               "1 rows of the past belong to versions that");
 }
 
+TEST_P(MapCheckOfThePast, AKeyframeThatIsThereTwice) {
+  ExpectFound(
+      "UPDATE cairn_past_keyframes SET since = 1, until = 3;"
+      "INSERT INTO cairn_past_keyframes SELECT keyframe_id, 2, 3, session_id, tile_id, image_name, "
+      "camera_id, qw, qx, qy, qz, tx_m, ty_m, tz_m FROM cairn_past_keyframes",
+      "1 keyframes of the past appear twice in one version");
+}
+
 TEST_P(MapCheck, AMissingCodebook) {
   ExpectFound("DELETE FROM cairn_codebooks", "has no codebook 1");
   if (IsFile()) {

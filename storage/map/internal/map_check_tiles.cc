@@ -115,7 +115,8 @@ class TileCheck {
         ->Prepare(
             "SELECT 1 FROM cairn_sessions WHERE session_id = ?1 AND since <= ?2 UNION ALL "
             "SELECT 1 FROM cairn_past_sessions "
-            "WHERE session_id = ?1 AND since <= ?2 AND until > ?2")
+            "WHERE session_id = ?1 AND until > ?2 AND since = "
+            "(SELECT max(since) FROM cairn_past_sessions WHERE session_id = ?1 AND since <= ?2)")
         .Bind(Value(id), Value(version_))
         .Step();
   }

@@ -30,6 +30,14 @@ constexpr Rule kVersionRules[] = {
      "JOIN cairn_past_tiles AS b ON b.tile_id = a.tile_id AND b.since > a.since "
      "WHERE b.since < a.until",
      "tiles of the past appear twice in one version"},
+    {"SELECT count(*) FROM cairn_past_keyframes AS a "
+     "JOIN cairn_past_keyframes AS b ON b.keyframe_id = a.keyframe_id AND b.since > a.since "
+     "WHERE b.since < a.until",
+     "keyframes of the past appear twice in one version"},
+    {"SELECT count(*) FROM cairn_past_sessions AS a "
+     "JOIN cairn_past_sessions AS b ON b.session_id = a.session_id AND b.since > a.since "
+     "WHERE b.since < a.until",
+     "sessions of the past appear twice in one version"},
     {"SELECT count(*) FROM cairn_past_tiles AS p "
      "JOIN cairn_tiles AS t ON t.tile_id = p.tile_id WHERE t.since < p.until",
      "tiles are in the map and in its past in one version"},

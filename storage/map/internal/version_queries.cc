@@ -56,8 +56,9 @@ constexpr std::string_view kAllPastTilesSql = CAIRN_PAST_TILE_COLUMNS "ORDER BY 
 
 constexpr std::string_view kPastKeyframesSql =
     CAIRN_PAST_KEYFRAME_COLUMNS "WHERE p.since <= ?1 AND p.until > ?1 ORDER BY p.keyframe_id";
-constexpr std::string_view kPastKeyframeSql =
-    CAIRN_PAST_KEYFRAME_COLUMNS "WHERE p.keyframe_id = ?1 AND p.since <= ?2 AND p.until > ?2";
+constexpr std::string_view kPastKeyframeSql = CAIRN_PAST_KEYFRAME_COLUMNS
+    "WHERE p.keyframe_id = ?1 AND p.until > ?2 AND p.since = "
+    "(SELECT max(since) FROM cairn_past_keyframes WHERE keyframe_id = ?1 AND since <= ?2)";
 
 #undef CAIRN_PAST_KEYFRAME_COLUMNS
 
@@ -96,7 +97,8 @@ std::optional<TileState> StateOf(db::Connection* connection, TileId tile_id, Map
       "SELECT t.payload_id, c.num_landmarks, c.num_bytes FROM cairn_tiles AS t "
       "JOIN coverage AS c ON c.tile_id = t.tile_id WHERE t.tile_id = ?1 AND t.since <= ?2 "
       "UNION ALL SELECT payload_id, num_landmarks, num_bytes FROM cairn_past_tiles "
-      "WHERE tile_id = ?1 AND since <= ?2 AND until > ?2) AS s "
+      "WHERE tile_id = ?1 AND until > ?2 AND since = "
+      "(SELECT max(since) FROM cairn_past_tiles WHERE tile_id = ?1 AND since <= ?2)) AS s "
       "JOIN cairn_payloads AS p ON p.payload_id = s.payload_id");
   if (!row.Bind(id, Value(version)).Step()) {
     return std::nullopt;
