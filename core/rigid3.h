@@ -47,6 +47,10 @@ struct Sim3d {
   Eigen::Vector3d operator*(const Eigen::Vector3d& x_in_source) const {
     return scale * (rotation * x_in_source) + translation;
   }
+  Sim3d operator*(const Sim3d& source_from_other) const {
+    return {scale * source_from_other.scale, (rotation * source_from_other.rotation).normalized(),
+            *this * source_from_other.translation};
+  }
   Sim3d Inverse() const {
     const Eigen::Quaterniond inverse = rotation.conjugate();
     return {1.0 / scale, inverse, -(inverse * translation) / scale};

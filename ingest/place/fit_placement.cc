@@ -95,11 +95,6 @@ Vector7d Refine(const std::vector<Difference>& differences, const Vector7d& x) {
   return information.ldlt().solve(right);
 }
 
-Sim3d Compose(const Sim3d& a_from_b, const Sim3d& b_from_c) {
-  return {a_from_b.scale * b_from_c.scale, a_from_b.rotation * b_from_c.rotation,
-          a_from_b * b_from_c.translation};
-}
-
 Eigen::Vector3d MiddleOf(const std::vector<PosePair>& pairs) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const PosePair& pair : pairs) {
@@ -138,9 +133,9 @@ RefinedMotion RefineFrom(const Sim3d& start, const std::vector<PosePair>& pairs)
     }
     const Eigen::Quaterniond rotation = ExpSo3(refined.x.head<3>());
     const double scale = 1.0 + refined.x(6);
-    refined.motion =
-        Compose({scale, rotation, middle + refined.x.segment<3>(3) - scale * (rotation * middle)},
-                refined.motion);
+    const Sim3d change{scale, rotation,
+                       middle + refined.x.segment<3>(3) - scale * (rotation * middle)};
+    refined.motion = change * refined.motion;
     if (refined.x.head<3>().norm() <= kMaxLinearRad) {
       break;
     }

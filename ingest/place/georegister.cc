@@ -371,10 +371,7 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   Judge(problem, enu_from_normalized, options, &result);
   RequireSpreadOfFit(problem, enu_from_normalized);
   result.accuracy = AccuracyOf(problem, matched, enu_from_normalized);
-  const Sim3d ecef_from_normalized = ecef_from_enu * enu_from_normalized;
-  result.ecef_from_world.scale = ecef_from_normalized.scale * normalized_from_world.scale;
-  result.ecef_from_world.rotation = ecef_from_normalized.rotation;
-  result.ecef_from_world.translation = ecef_from_normalized * normalized_from_world.translation;
+  result.ecef_from_world = ecef_from_enu * enu_from_normalized * normalized_from_world;
   FindFaults(matched, &result);
   return result;
 }

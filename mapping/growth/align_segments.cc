@@ -107,12 +107,6 @@ SharedScene FindShared(const TrackTable& tracks, const Segment& a, const Segment
   return scene;
 }
 
-// `outer` after `inner`.
-Sim3d Compose(const Sim3d& outer, const Sim3d& inner) {
-  return {outer.scale * inner.scale, (outer.rotation * inner.rotation).normalized(),
-          outer * inner.translation};
-}
-
 // The similarity in both directions.
 struct Meeting {
   std::array<Sim3d, 2> own_from_other;  // a_from_b and b_from_a.
@@ -301,7 +295,7 @@ class MeetingProblem {
       return model;
     }
     const Sim3d step{std::exp(change[6]), ExpSo3(change.segment<3>(3)), change.head<3>()};
-    return MeetingOf(Compose(step, model.own_from_other[1]));
+    return MeetingOf(step * model.own_from_other[1]);
   }
 
   const SharedScene& scene_;

@@ -27,6 +27,13 @@ TEST(Sim3d, InverseUndoes) {
   EXPECT_LT((a_from_b.Inverse() * (a_from_b * x_in_b) - x_in_b).norm(), 1e-12);
 }
 
+TEST(Sim3d, ProductsApplyTheRightOneFirst) {
+  const Sim3d a_from_b{2.5, ExpSo3({0.1, 0.2, -0.7}), {5.0, 6.0, -7.0}};
+  const Sim3d b_from_c{0.3, ExpSo3({-1.1, 0.4, 0.2}), {-2.0, 0.5, 9.0}};
+  const Eigen::Vector3d x_in_c(0.7, -0.1, 2.0);
+  EXPECT_LT((a_from_b * b_from_c * x_in_c - a_from_b * (b_from_c * x_in_c)).norm(), 1e-12);
+}
+
 TEST(Sim3d, CamFromTargetSeesPointsInTheSameDirection) {
   const Sim3d target_from_world{3.0, ExpSo3({0.1, 0.2, -0.7}), {5.0, 6.0, -7.0}};
   const Eigen::Vector3d x_in_world(1.0, 2.0, 9.0);
