@@ -63,6 +63,9 @@ void DescribeAdjust(AdjustOptions* options, OptionList* list) {
   list->Add("max_error_sigmas", &options->max_error_sigmas,
             "Observations with a larger error leave, in standard deviations of a keypoint");
   list->Add("max_rounds", &options->max_rounds, "Most solutions, with outliers leaving between");
+  list->Add(
+      "max_observations_of_all", &options->max_observations_of_all,
+      "Of more observations, the landmarks that most photos see decide, and the others follow");
   list->Add("min_ray_angle_rad", &options->min_ray_angle_rad,
             "Landmarks whose rays span less leave, radians");
 }

@@ -5,6 +5,7 @@
 
 #include "core/adjust/adjust_problem.h"
 #include "core/adjust/adjustable_camera.h"
+#include "core/adjust/landmark_roles.h"
 #include "core/check.h"
 #include "core/parallel_for.h"
 #include "core/scene/triangulate.h"
@@ -12,7 +13,7 @@
 namespace cairn {
 namespace {
 
-constexpr int kLandmarksPerStep = 4096;  // Of the search for outliers.
+constexpr int kLandmarksPerStep = 4096;
 
 // Cameras and the values of their unknowns.
 struct Cameras {
@@ -27,6 +28,33 @@ Cameras CamerasOf(const Reconstruction& model) {
     cameras.unknowns.push_back(cameras.adjustable.back().start());
   }
   return cameras;
+}
+
+// Triangulates the landmarks that follow with the poses and the cameras as they are now. Those that
+// cannot be keep their place, and their errors tell.
+void TriangulateFollowing(const Cameras& cameras, const std::vector<LandmarkRole>& roles,
+                          int num_threads, Reconstruction* model) {
+  std::vector<Camera> camera_now;
+  for (size_t i = 0; i < cameras.adjustable.size(); ++i) {
+    camera_now.push_back(cameras.adjustable[i].With(cameras.unknowns[i]));
+  }
+  const int num_landmarks = static_cast<int>(model->landmarks.size());
+  const int num_steps = (num_landmarks + kLandmarksPerStep - 1) / kLandmarksPerStep;
+  ParallelFor(num_steps, num_threads, [&](int step) {
+    const int end = std::min(num_landmarks, (step + 1) * kLandmarksPerStep);
+    for (int i = step * kLandmarksPerStep; i < end; ++i) {
+      if (roles[i] != LandmarkRole::kFollows) {
+        continue;
+      }
+      ReconLandmark& landmark = model->landmarks[i];
+      std::vector<PointObservation> observations = PointObservationsOf(*model, landmark);
+      for (size_t k = 0; k < observations.size(); ++k) {
+        const ReconImage& image = model->images[landmark.observations[k].image_idx];
+        observations[k].camera = &camera_now[image.camera_idx];
+      }
+      landmark.x_in_world = TriangulatePoint(observations).value_or(landmark.x_in_world);
+    }
+  });
 }
 
 // What the landmarks keep, and the errors of what they keep.
@@ -166,6 +194,7 @@ AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera,
     problem.StartFrom(cameras.unknowns);
     const ceres::Solver::Summary summary = problem.Solve();
     problem.Store(cameras.unknowns, &model);
+    TriangulateFollowing(cameras, problem.roles(), options.num_threads, &model);
     report.num_rounds = round + 1;
     report.num_iterations += summary.num_successful_steps + summary.num_unsuccessful_steps;
     report.initial_cost = round == 0 ? summary.initial_cost : report.initial_cost;

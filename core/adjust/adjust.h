@@ -67,6 +67,10 @@ struct AdjustOptions {
   double max_error_sigmas = 4.0;
   // Solutions at most. The last ones are needed only while observations leave.
   int max_rounds = 3;
+  // Above this many observations, a solution takes the landmarks that most images see, enough for
+  // each part of each picture, and the other landmarks follow with the poses held. A solution needs
+  // some 0.8 kB an observation, and the poses gain little from more than some hundreds an image.
+  int max_observations_of_all = 200'000;
   // Landmarks whose rays span less than this leave: their depths are anything.
   double min_ray_angle_rad = 0.0;
   // Threads that look for outliers. The result does not depend on them.

@@ -17,6 +17,8 @@ void AdjustOptions::Validate() const {
                 "adjust.min_relative_change must be in [0, 1)");
   RequireOption(max_error_sigmas > 0.0, "adjust.max_error_sigmas must be positive");
   RequireOption(max_rounds >= 1, "adjust.max_rounds must be at least 1");
+  RequireOption(max_observations_of_all >= 0,
+                "adjust.max_observations_of_all must not be negative");
   RequireOption(min_ray_angle_rad >= 0.0 && std::isfinite(min_ray_angle_rad),
                 "adjust.min_ray_angle_rad must be finite and not negative");
   RequireOption(num_threads >= 1, "adjust.num_threads must be at least 1");

@@ -24,15 +24,16 @@ namespace {
 constexpr double kMaxNeighborsToFactor = 400.0;
 
 // The root mean square, over the images that move, of the number of others that move and with which
-// they share landmarks.
-double NeighborsOfImages(const Reconstruction& model, const std::vector<uint8_t>& is_fixed) {
+// they share landmarks that decide.
+double NeighborsOfImages(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
+                         const std::vector<uint8_t>& is_fixed) {
   const auto moves = [&](const ReconObservation& seen) {
     return is_fixed.empty() || is_fixed[seen.image_idx] == 0;
   };
   std::vector<std::vector<int>> landmarks_of_image(model.images.size());
   for (size_t i = 0; i < model.landmarks.size(); ++i) {
     for (const ReconObservation& seen : model.landmarks[i].observations) {
-      if (moves(seen)) {
+      if (roles[i] == LandmarkRole::kDecides && moves(seen)) {
         landmarks_of_image[seen.image_idx].push_back(static_cast<int>(i));
       }
     }
@@ -65,7 +66,7 @@ AdjustProblem::AdjustProblem(std::span<const CameraFreedom> freedom_of_camera,
       options_(options),
       model_(model),
       num_observations_(model.images.size(), 0),
-      is_used_(model.landmarks.size(), 0) {
+      roles_(RolesOfLandmarks(model, priors, options.max_observations_of_all)) {
   poses_at_ = kPointStride * model.landmarks.size();
   cameras_at_ = poses_at_ + kPoseStride * model.images.size();
   values_.resize(cameras_at_ + kCameraStride * model.cameras.size());
@@ -95,15 +96,10 @@ bool AdjustProblem::IsLandmarkFixed(size_t landmark) const {
 void AdjustProblem::AddObservations() {
   auto* loss = new ceres::CauchyLoss(options_.loss_scale_sigmas);
   for (size_t i = 0; i < model_.landmarks.size(); ++i) {
-    const auto& observations = model_.landmarks[i].observations;
-    const bool is_free =
-        std::any_of(observations.begin(), observations.end(),
-                    [&](const ReconObservation& seen) { return !IsFixed(seen.image_idx); });
-    if (!is_free) {
+    if (roles_[i] != LandmarkRole::kDecides) {
       continue;
     }
-    is_used_[i] = 1;
-    for (const ReconObservation& seen : observations) {
+    for (const ReconObservation& seen : model_.landmarks[i].observations) {
       const ReconImage& image = model_.images[seen.image_idx];
       const Keypoint& keypoint = image.features.keypoints[seen.keypoint_idx];
       problem_.AddResidualBlock(new ReprojectionCost(&cameras_[image.camera_idx],
@@ -256,7 +252,7 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   options.num_threads = 1;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.linear_solver_type =
-      NeighborsOfImages(model_, priors_.image_is_fixed) > kMaxNeighborsToFactor
+      NeighborsOfImages(model_, roles_, priors_.image_is_fixed) > kMaxNeighborsToFactor
           ? ceres::ITERATIVE_SCHUR
           : ceres::SPARSE_SCHUR;
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
@@ -265,7 +261,7 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   options.logging_type = ceres::SILENT;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (size_t i = 0; i < model_.landmarks.size(); ++i) {
-    if (is_used_[i] != 0) {
+    if (roles_[i] == LandmarkRole::kDecides) {
       ordering->AddElementToGroup(PointAt(i), 0);
     }
   }
@@ -291,7 +287,7 @@ ceres::Solver::Summary AdjustProblem::Solve() {
 
 void AdjustProblem::Store(std::span<CameraUnknowns> unknowns, Reconstruction* model) const {
   for (size_t i = 0; i < model->landmarks.size(); ++i) {
-    if (is_used_[i] != 0) {
+    if (roles_[i] == LandmarkRole::kDecides) {
       model->landmarks[i].x_in_world = Eigen::Map<const Eigen::Vector3d>(PointAt(i));
     }
   }

@@ -10,6 +10,7 @@
 
 #include "core/adjust/adjust.h"
 #include "core/adjust/adjustable_camera.h"
+#include "core/adjust/landmark_roles.h"
 #include "core/scene/reconstruction.h"
 
 namespace cairn {
@@ -24,8 +25,11 @@ class AdjustProblem {
   // Throws Error(kInternal) if the solver fails.
   ceres::Solver::Summary Solve();
 
-  // Writes what was solved, and CameraUnknowns for each camera.
+  // Writes what was solved, which leaves out landmarks that follow, and CameraUnknowns for each
+  // camera.
   void Store(std::span<CameraUnknowns> unknowns, Reconstruction* model) const;
+
+  const std::vector<LandmarkRole>& roles() const { return roles_; }
 
   // The unknowns of the cameras to start from; AdjustableCamera::start() unless set.
   void StartFrom(std::span<const CameraUnknowns> unknowns);
@@ -62,8 +66,8 @@ class AdjustProblem {
   std::vector<double> values_;
   size_t poses_at_ = 0, cameras_at_ = 0;
   std::vector<int> num_observations_;  // Of each image.
-  std::vector<uint8_t> is_used_;       // Of each landmark.
-  int num_fixed_landmarks_ = 0;        // Of those used.
+  std::vector<LandmarkRole> roles_;    // Of the landmarks.
+  int num_fixed_landmarks_ = 0;        // Of those that decide.
   ceres::Problem problem_;
 };
 

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
 #include <string>
 
+#include "core/adjust/landmark_roles.h"
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
@@ -92,6 +94,14 @@ Centers CentersOf(const Reconstruction& model) {
     centers.col(i) = model.images[i].cam_from_world.Inverse().translation;
   }
   return centers;
+}
+
+Centers PointsOf(const Reconstruction& model) {
+  Centers points(3, model.landmarks.size());
+  for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    points.col(i) = model.landmarks[i].x_in_world;
+  }
+  return points;
 }
 
 // The distances of the columns after the similarity that fits best.
@@ -288,6 +298,50 @@ TEST(Adjust, FindsManyImagesOfOnePlace) {
   EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 0.03);
 }
 
+// A scene with some 2,500 observations an image.
+Scene MakeDenseScene() {
+  Scene scene = MakeScene(0.0, Pinhole(), 10, 4000);
+  std::erase_if(scene.truth.landmarks,
+                [](const ReconLandmark& landmark) { return landmark.observations.size() < 2; });
+  return scene;
+}
+
+TEST(Adjust, FindsTheSceneByAPartOfItsLandmarks) {
+  Scene scene = MakeDenseScene();
+  Reconstruction model = scene.truth;
+  Perturb(0.01, 0.1, &scene, &model);
+  AdjustOptions options;
+  options.max_error_sigmas = 100.0;
+  options.min_relative_change = 1e-12;
+  options.max_observations_of_all = 1000;
+  const AdjustReport report = Adjust(kFixed, {}, options, model);
+  EXPECT_EQ(report.num_landmarks_removed, 0);
+  EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 1e-4);
+  EXPECT_LT(ErrorsAligned(PointsOf(model), PointsOf(scene.truth)).maxCoeff(), 1e-3);
+}
+
+TEST(Adjust, LandmarksDecideUntilEachPartOfEachPictureHasEnough) {
+  const Reconstruction model = MakeDenseScene().truth;
+  const auto num_landmarks = static_cast<std::ptrdiff_t>(model.landmarks.size());
+  AdjustPriors priors;
+  const auto count = [&](LandmarkRole role, int max_observations_of_all) {
+    const auto roles = RolesOfLandmarks(model, priors, max_observations_of_all);
+    return std::count(roles.begin(), roles.end(), role);
+  };
+  EXPECT_EQ(count(LandmarkRole::kDecides, 1'000'000), num_landmarks);
+  const std::ptrdiff_t for_all_pictures = count(LandmarkRole::kDecides, 1000);
+  EXPECT_GT(for_all_pictures, 400);
+  EXPECT_LT(for_all_pictures, num_landmarks / 2);
+  // One picture asks for fewer, and what no picture that moves shows has nothing to decide.
+  priors.image_is_fixed.assign(model.images.size(), 1);
+  EXPECT_EQ(count(LandmarkRole::kIdle, 1000), num_landmarks);
+  priors.image_is_fixed[3] = 0;
+  EXPECT_LE(count(LandmarkRole::kDecides, 1000), 16 * 32);
+  EXPECT_GT(count(LandmarkRole::kFollows, 1000), 1000);
+  priors.landmark_is_fixed.assign(model.landmarks.size(), 1);
+  EXPECT_EQ(count(LandmarkRole::kFollows, 1000), 0);
+}
+
 TEST(Adjust, IsTheSameOnAnyNumberOfThreads) {
   Scene scene = MakeScene(0.5, Pinhole());
   Reconstruction one = scene.truth;
@@ -373,6 +427,21 @@ TEST(Adjust, IsNearTheLaserScanOfTheFountain) {
   EXPECT_LT(errors.mean(), 0.0026);
   EXPECT_LT(errors.maxCoeff(), 0.004);
   EXPECT_LT(report.rms_px, 0.6);
+}
+
+// Half a thousand keypoints a photo tell its pose nearly as well as all.
+TEST(Adjust, IsNearTheLaserScanByAPartOfTheLandmarks) {
+  CAIRN_SKIP_WITHOUT_DATA("facades_strecha/colmap_fountain-P11/images.bin");
+  Reconstruction model = ReadFacade("colmap_fountain-P11");
+  Scene noise;
+  Perturb(0.003, 0.02, &noise, &model);
+  AdjustOptions options;
+  options.max_rounds = 1;
+  options.max_observations_of_all = 0;
+  Adjust(kFixed, {}, options, model);
+  const Eigen::VectorXd errors = LaserErrors(model, ReadTruth("fountain-P11", ""));
+  EXPECT_LT(errors.mean(), 0.003);
+  EXPECT_LT(errors.maxCoeff(), 0.005);
 }
 
 }  // namespace
