@@ -2,17 +2,76 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
+#include <span>
 
 namespace cairn {
 namespace {
 
 constexpr int kPartsPerSide = 4;
 constexpr int kEnoughOfPart = 32;
+constexpr int kEnoughTies = 64;
+
+// Sets of images, of which landmarks make larger ones.
+class ImageSets {
+ public:
+  explicit ImageSets(int num_images) : parents_(num_images) {
+    std::iota(parents_.begin(), parents_.end(), 0);
+  }
+
+  bool AreOne(std::span<const int> images) {
+    return std::all_of(images.begin(), images.end(),
+                       [&](int image) { return Find(image) == Find(images[0]); });
+  }
+
+  void Unite(std::span<const int> images) {
+    for (const int image : images) {
+      parents_[Find(image)] = Find(images[0]);
+    }
+  }
+
+ private:
+  int Find(int image) {
+    while (parents_[image] != image) {
+      image = parents_[image] = parents_[parents_[image]];
+    }
+    return image;
+  }
+
+  std::vector<int> parents_;
+};
+
+// Takes landmarks such that, however one divides the images in two, as many landmarks tie the
+// halves as tie them in all, or kEnoughTies. A landmark goes to the first layer in which its images
+// are not in one set yet (Nagamochi and Ibaraki, "A linear-time algorithm for finding a sparse
+// k-connected spanning subgraph of a k-connected graph", 1992).
+class Ties {
+ public:
+  explicit Ties(int num_images) : layers_(kEnoughTies, ImageSets(num_images)) {}
+
+  // True if the landmark that these images see is taken.
+  bool Take(std::span<const int> images) {
+    // Images that are in one set of a layer are so in the layers before it.
+    const auto layer = std::partition_point(layers_.begin(), layers_.end(),
+                                            [&](ImageSets& sets) { return sets.AreOne(images); });
+    if (layer == layers_.end()) {
+      return false;
+    }
+    layer->Unite(images);
+    return true;
+  }
+
+ private:
+  std::vector<ImageSets> layers_;
+};
 
 class Selection {
  public:
   Selection(const Reconstruction& model, const AdjustPriors& priors)
-      : model_(model), priors_(priors), num_taken_(model.images.size()) {}
+      : model_(model),
+        priors_(priors),
+        num_taken_(model.images.size()),
+        ties_(static_cast<int>(model.images.size()) + 1) {}
 
   bool Moves(const ReconObservation& seen) const {
     return priors_.image_is_fixed.empty() || priors_.image_is_fixed[seen.image_idx] == 0;
@@ -22,13 +81,14 @@ class Selection {
     return !priors_.landmark_is_fixed.empty() && priors_.landmark_is_fixed[landmark] != 0;
   }
 
-  // Takes the landmark, and returns true, if an image needs it.
+  // Takes the landmark, and returns true, if it is needed.
   bool TakeIfNeeded(int landmark) {
     const auto& observations = model_.landmarks[landmark].observations;
-    const bool is_needed =
-        IsFixed(landmark) || std::any_of(observations.begin(), observations.end(), [&](auto& seen) {
-          return Moves(seen) && NumTaken(seen) < kEnoughOfPart;
-        });
+    const bool is_tie = ties_.Take(NodesOf(observations));
+    const bool is_needed = is_tie || IsFixed(landmark) ||
+                           std::any_of(observations.begin(), observations.end(), [&](auto& seen) {
+                             return Moves(seen) && NumTaken(seen) < kEnoughOfPart;
+                           });
     if (is_needed) {
       for (const ReconObservation& seen : observations) {
         ++NumTaken(seen);
@@ -38,6 +98,15 @@ class Selection {
   }
 
  private:
+  // Fixed images are one node.
+  std::vector<int> NodesOf(const std::vector<ReconObservation>& observations) const {
+    std::vector<int> nodes;
+    for (const ReconObservation& seen : observations) {
+      nodes.push_back(Moves(seen) ? seen.image_idx : static_cast<int>(model_.images.size()));
+    }
+    return nodes;
+  }
+
   // In the part of the picture in which the observation lies.
   int& NumTaken(const ReconObservation& seen) {
     const ReconImage& image = model_.images[seen.image_idx];
@@ -53,6 +122,7 @@ class Selection {
   const Reconstruction& model_;
   const AdjustPriors& priors_;
   std::vector<std::array<int, kPartsPerSide * kPartsPerSide>> num_taken_;  // Of each image.
+  Ties ties_;
 };
 
 }  // namespace

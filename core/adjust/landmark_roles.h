@@ -20,8 +20,9 @@ enum class LandmarkRole : uint8_t {
 // have more than `max_observations_of_all` observations.
 //
 // Of so many, landmarks with many observations come first. Each decides if it lies in a part of
-// some image's picture, one of 4 x 4, in which fewer than 32 do. Fixed landmarks always decide:
-// they tie the images to the model that stays.
+// some image's picture, one of 4 x 4, in which fewer than 32 do, or if it ties images that fewer
+// than 64 landmarks tie: parts that share little would drift apart without their ties. Fixed
+// landmarks always decide: they tie the images to the model that stays.
 std::vector<LandmarkRole> RolesOfLandmarks(const Reconstruction& model, const AdjustPriors& priors,
                                            int64_t max_observations_of_all);
 

@@ -342,6 +342,24 @@ TEST(Adjust, LandmarksDecideUntilEachPartOfEachPictureHasEnough) {
   EXPECT_EQ(count(LandmarkRole::kFollows, 1000), 0);
 }
 
+// Two halves of a walk share no landmark but thirty that two photos see.
+TEST(Adjust, FewLandmarksThatTieTwoPartsDecide) {
+  Reconstruction model = MakeDenseScene().truth;
+  for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    const bool is_tie = i % 100 == 0 && i < 3000;
+    std::erase_if(model.landmarks[i].observations, [&](const ReconObservation& seen) {
+      return is_tie ? seen.image_idx < 4 || seen.image_idx > 5
+                    : (seen.image_idx < 5) == (i % 2 == 0);
+    });
+  }
+  const auto roles = RolesOfLandmarks(model, {}, 1000);
+  EXPECT_LT(std::count(roles.begin(), roles.end(), LandmarkRole::kDecides), std::ssize(roles) / 2);
+  for (size_t i = 0; i < 3000; i += 100) {
+    EXPECT_TRUE(roles[i] == LandmarkRole::kDecides || model.landmarks[i].observations.size() < 2)
+        << i;
+  }
+}
+
 TEST(Adjust, IsTheSameOnAnyNumberOfThreads) {
   Scene scene = MakeScene(0.5, Pinhole());
   Reconstruction one = scene.truth;
