@@ -26,9 +26,9 @@ constexpr double kMaxNeighborsToFactor = 400.0;
 // The root mean square, over the images that move, of the number of others that move and with which
 // they share landmarks that decide.
 double NeighborsOfImages(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
-                         const std::vector<uint8_t>& is_fixed) {
+                         const AdjustPriors& priors) {
   const auto moves = [&](const ReconObservation& seen) {
-    return is_fixed.empty() || is_fixed[seen.image_idx] == 0;
+    return !priors.HoldsImage(seen.image_idx);
   };
   std::vector<std::vector<int>> landmarks_of_image(model.images.size());
   for (size_t i = 0; i < model.landmarks.size(); ++i) {
@@ -85,14 +85,6 @@ AdjustProblem::AdjustProblem(std::span<const CameraFreedom> freedom_of_camera,
   FixGauge();
 }
 
-bool AdjustProblem::IsFixed(size_t image) const {
-  return !priors_.image_is_fixed.empty() && priors_.image_is_fixed[image] != 0;
-}
-
-bool AdjustProblem::IsLandmarkFixed(size_t landmark) const {
-  return !priors_.landmark_is_fixed.empty() && priors_.landmark_is_fixed[landmark] != 0;
-}
-
 void AdjustProblem::AddObservations() {
   auto* loss = new ceres::CauchyLoss(options_.loss_scale_sigmas);
   for (size_t i = 0; i < model_.landmarks.size(); ++i) {
@@ -109,7 +101,7 @@ void AdjustProblem::AddObservations() {
                                 CameraAt(image.camera_idx));
       ++num_observations_[seen.image_idx];
     }
-    if (IsLandmarkFixed(i)) {
+    if (priors_.HoldsLandmark(i)) {
       problem_.SetParameterBlockConstant(PointAt(i));
       ++num_fixed_landmarks_;
     }
@@ -117,7 +109,7 @@ void AdjustProblem::AddObservations() {
   for (size_t i = 0; i < model_.images.size(); ++i) {
     if (num_observations_[i] > 0) {
       problem_.SetManifold(PoseAt(i), new PoseManifold());
-      if (IsFixed(i)) {
+      if (priors_.HoldsImage(i)) {
         problem_.SetParameterBlockConstant(PoseAt(i));
       }
     }
@@ -184,7 +176,7 @@ void AdjustProblem::AddPrincipalPoint(size_t camera) {
 void AdjustProblem::AddPositions() {
   for (size_t i = 0; i < priors_.position_of_image.size(); ++i) {
     const auto& position = priors_.position_of_image[i];
-    if (position && num_observations_[i] > 0 && !IsFixed(i)) {
+    if (position && num_observations_[i] > 0 && !priors_.HoldsImage(i)) {
       problem_.AddResidualBlock(new PositionCost(position->center_in_world, position->sigma_m),
                                 new ceres::CauchyLoss(options_.position_loss_scale_sigmas),
                                 PoseAt(i));
@@ -199,12 +191,12 @@ void AdjustProblem::FixGauge() {
     if (num_observations_[i] == 0) {
       continue;
     }
-    num_fixed += IsFixed(i) ? 1 : 0;
+    num_fixed += priors_.HoldsImage(i) ? 1 : 0;
     num_positions += !priors_.position_of_image.empty() && priors_.position_of_image[i] ? 1 : 0;
     const bool is_better =
-        num_observations_[anchor] == 0 ||
-        (IsFixed(i) == IsFixed(anchor) ? num_observations_[i] > num_observations_[anchor]
-                                       : IsFixed(i));
+        num_observations_[anchor] == 0 || (priors_.HoldsImage(i) == priors_.HoldsImage(anchor)
+                                               ? num_observations_[i] > num_observations_[anchor]
+                                               : priors_.HoldsImage(i));
     if (is_better) {
       anchor = i;
     }
@@ -251,10 +243,9 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
   options.num_threads = 1;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.linear_solver_type =
-      NeighborsOfImages(model_, roles_, priors_.image_is_fixed) > kMaxNeighborsToFactor
-          ? ceres::ITERATIVE_SCHUR
-          : ceres::SPARSE_SCHUR;
+  options.linear_solver_type = NeighborsOfImages(model_, roles_, priors_) > kMaxNeighborsToFactor
+                                   ? ceres::ITERATIVE_SCHUR
+                                   : ceres::SPARSE_SCHUR;
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;
@@ -292,7 +283,7 @@ void AdjustProblem::Store(std::span<CameraUnknowns> unknowns, Reconstruction* mo
     }
   }
   for (size_t i = 0; i < model->images.size(); ++i) {
-    if (num_observations_[i] > 0 && !IsFixed(i)) {
+    if (num_observations_[i] > 0 && !priors_.HoldsImage(i)) {
       model->images[i].cam_from_world = LoadPose(PoseAt(i));
     }
   }

@@ -44,8 +44,6 @@ class AdjustProblem {
     return values_.data() + cameras_at_ + kCameraStride * i;
   }
 
-  bool IsFixed(size_t image) const;
-  bool IsLandmarkFixed(size_t landmark) const;
   void AddObservations();
   void AddCameras();
   void AddPrincipalPoint(size_t camera);

@@ -73,22 +73,15 @@ class Selection {
         num_taken_(model.images.size()),
         ties_(static_cast<int>(model.images.size()) + 1) {}
 
-  bool Moves(const ReconObservation& seen) const {
-    return priors_.image_is_fixed.empty() || priors_.image_is_fixed[seen.image_idx] == 0;
-  }
-
-  bool IsFixed(int landmark) const {
-    return !priors_.landmark_is_fixed.empty() && priors_.landmark_is_fixed[landmark] != 0;
-  }
-
   // Takes the landmark, and returns true, if it is needed.
   bool TakeIfNeeded(int landmark) {
     const auto& observations = model_.landmarks[landmark].observations;
     const bool is_tie = ties_.Take(NodesOf(observations));
-    const bool is_needed = is_tie || IsFixed(landmark) ||
-                           std::any_of(observations.begin(), observations.end(), [&](auto& seen) {
-                             return Moves(seen) && NumTaken(seen) < kEnoughOfPart;
-                           });
+    const bool is_needed =
+        is_tie || priors_.HoldsLandmark(landmark) ||
+        std::any_of(observations.begin(), observations.end(), [&](auto& seen) {
+          return !priors_.HoldsImage(seen.image_idx) && NumTaken(seen) < kEnoughOfPart;
+        });
     if (is_needed) {
       for (const ReconObservation& seen : observations) {
         ++NumTaken(seen);
@@ -102,7 +95,8 @@ class Selection {
   std::vector<int> NodesOf(const std::vector<ReconObservation>& observations) const {
     std::vector<int> nodes;
     for (const ReconObservation& seen : observations) {
-      nodes.push_back(Moves(seen) ? seen.image_idx : static_cast<int>(model_.images.size()));
+      nodes.push_back(priors_.HoldsImage(seen.image_idx) ? static_cast<int>(model_.images.size())
+                                                         : seen.image_idx);
     }
     return nodes;
   }
@@ -129,14 +123,14 @@ class Selection {
 
 std::vector<LandmarkRole> RolesOfLandmarks(const Reconstruction& model, const AdjustPriors& priors,
                                            int64_t max_observations_of_all) {
-  Selection selection(model, priors);
   std::vector<LandmarkRole> roles(model.landmarks.size(), LandmarkRole::kIdle);
   std::vector<int> landmarks;  // That may decide.
   int64_t num_observations = 0;
   for (int i = 0; i < static_cast<int>(model.landmarks.size()); ++i) {
     const auto& observations = model.landmarks[i].observations;
-    if (std::any_of(observations.begin(), observations.end(),
-                    [&](const ReconObservation& seen) { return selection.Moves(seen); })) {
+    if (std::any_of(observations.begin(), observations.end(), [&](const ReconObservation& seen) {
+          return !priors.HoldsImage(seen.image_idx);
+        })) {
       roles[i] = LandmarkRole::kDecides;
       landmarks.push_back(i);
       num_observations += static_cast<int64_t>(observations.size());
@@ -148,6 +142,7 @@ std::vector<LandmarkRole> RolesOfLandmarks(const Reconstruction& model, const Ad
   std::stable_sort(landmarks.begin(), landmarks.end(), [&](int a, int b) {
     return model.landmarks[a].observations.size() > model.landmarks[b].observations.size();
   });
+  Selection selection(model, priors);
   for (const int landmark : landmarks) {
     roles[landmark] =
         selection.TakeIfNeeded(landmark) ? LandmarkRole::kDecides : LandmarkRole::kFollows;

@@ -3,13 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
 #include <string>
 
-#include "core/adjust/landmark_roles.h"
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
@@ -298,16 +296,11 @@ TEST(Adjust, FindsManyImagesOfOnePlace) {
   EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 0.03);
 }
 
-// A scene with some 2,500 observations an image.
-Scene MakeDenseScene() {
+// Each image has some 2,500 observations.
+TEST(Adjust, FindsTheSceneByAPartOfItsLandmarks) {
   Scene scene = MakeScene(0.0, Pinhole(), 10, 4000);
   std::erase_if(scene.truth.landmarks,
                 [](const ReconLandmark& landmark) { return landmark.observations.size() < 2; });
-  return scene;
-}
-
-TEST(Adjust, FindsTheSceneByAPartOfItsLandmarks) {
-  Scene scene = MakeDenseScene();
   Reconstruction model = scene.truth;
   Perturb(0.01, 0.1, &scene, &model);
   AdjustOptions options;
@@ -318,46 +311,6 @@ TEST(Adjust, FindsTheSceneByAPartOfItsLandmarks) {
   EXPECT_EQ(report.num_landmarks_removed, 0);
   EXPECT_LT(ErrorsAligned(CentersOf(model), CentersOf(scene.truth)).maxCoeff(), 1e-4);
   EXPECT_LT(ErrorsAligned(PointsOf(model), PointsOf(scene.truth)).maxCoeff(), 1e-3);
-}
-
-TEST(Adjust, LandmarksDecideUntilEachPartOfEachPictureHasEnough) {
-  const Reconstruction model = MakeDenseScene().truth;
-  const auto num_landmarks = static_cast<std::ptrdiff_t>(model.landmarks.size());
-  AdjustPriors priors;
-  const auto count = [&](LandmarkRole role, int max_observations_of_all) {
-    const auto roles = RolesOfLandmarks(model, priors, max_observations_of_all);
-    return std::count(roles.begin(), roles.end(), role);
-  };
-  EXPECT_EQ(count(LandmarkRole::kDecides, 1'000'000), num_landmarks);
-  const std::ptrdiff_t for_all_pictures = count(LandmarkRole::kDecides, 1000);
-  EXPECT_GT(for_all_pictures, 400);
-  EXPECT_LT(for_all_pictures, num_landmarks / 2);
-  // One picture asks for fewer, and what no picture that moves shows has nothing to decide.
-  priors.image_is_fixed.assign(model.images.size(), 1);
-  EXPECT_EQ(count(LandmarkRole::kIdle, 1000), num_landmarks);
-  priors.image_is_fixed[3] = 0;
-  EXPECT_LE(count(LandmarkRole::kDecides, 1000), 16 * 32);
-  EXPECT_GT(count(LandmarkRole::kFollows, 1000), 1000);
-  priors.landmark_is_fixed.assign(model.landmarks.size(), 1);
-  EXPECT_EQ(count(LandmarkRole::kFollows, 1000), 0);
-}
-
-// Two halves of a walk share no landmark but thirty that two photos see.
-TEST(Adjust, FewLandmarksThatTieTwoPartsDecide) {
-  Reconstruction model = MakeDenseScene().truth;
-  for (size_t i = 0; i < model.landmarks.size(); ++i) {
-    const bool is_tie = i % 100 == 0 && i < 3000;
-    std::erase_if(model.landmarks[i].observations, [&](const ReconObservation& seen) {
-      return is_tie ? seen.image_idx < 4 || seen.image_idx > 5
-                    : (seen.image_idx < 5) == (i % 2 == 0);
-    });
-  }
-  const auto roles = RolesOfLandmarks(model, {}, 1000);
-  EXPECT_LT(std::count(roles.begin(), roles.end(), LandmarkRole::kDecides), std::ssize(roles) / 2);
-  for (size_t i = 0; i < 3000; i += 100) {
-    EXPECT_TRUE(roles[i] == LandmarkRole::kDecides || model.landmarks[i].observations.size() < 2)
-        << i;
-  }
 }
 
 TEST(Adjust, IsTheSameOnAnyNumberOfThreads) {

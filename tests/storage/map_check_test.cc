@@ -159,6 +159,15 @@ TEST_P(MapCheckOfThePast, AKeyframeThatIsThereTwice) {
       "1 keyframes of the past appear twice in one version");
 }
 
+TEST_P(MapCheckOfThePast, ASessionThatIsThereTwice) {
+  const auto insert = [](const std::string& since) {
+    return "INSERT INTO cairn_past_sessions SELECT 77, " + since +
+           ", 3, name, source, created_at, recorded_at, content_digest, num_images, num_landmarks, "
+           "georef_median_residual_m FROM cairn_sessions WHERE session_id = 1;";
+  };
+  ExpectFound(insert("1") + insert("2"), "1 sessions of the past appear twice in one version");
+}
+
 TEST_P(MapCheck, AMissingCodebook) {
   ExpectFound("DELETE FROM cairn_codebooks", "has no codebook 1");
   if (IsFile()) {
