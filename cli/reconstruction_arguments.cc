@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,19 +40,7 @@ std::vector<std::string> NotesOn(const Reconstruction& reconstruction,
                     "not count",
                     findings.num_without_height));
   }
-  const int num_outliers = georegistration.num_positions - georegistration.num_inliers;
-  if (num_outliers > 0) {
-    notes.push_back(fmt::format(
-        "{} positions disagree and do not count; that of {} is {:.0f} m "
-        "from where the photos say",
-        num_outliers, Excerpt(georegistration.worst_image), georegistration.max_residual_m));
-  }
-  if (georegistration.num_sign_errors > 0) {
-    notes.push_back(
-        fmt::format("{} of these would agree with the other sign of latitude or "
-                    "longitude",
-                    georegistration.num_sign_errors));
-  }
+  std::ranges::move(NotesOnOutliers(georegistration), std::back_inserter(notes));
   return notes;
 }
 

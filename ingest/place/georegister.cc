@@ -376,4 +376,22 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   return result;
 }
 
+std::vector<std::string> NotesOnOutliers(const Georegistration& georegistration) {
+  std::vector<std::string> notes;
+  const int num_outliers = georegistration.num_positions - georegistration.num_inliers;
+  if (num_outliers > 0) {
+    notes.push_back(fmt::format(
+        "{}; that of {} is {:.0f} m from where the photos say",
+        num_outliers == 1 ? "1 position disagrees and does not count"
+                          : fmt::format("{} positions disagree and do not count", num_outliers),
+        Excerpt(georegistration.worst_image), georegistration.max_residual_m));
+  }
+  if (georegistration.num_sign_errors > 0) {
+    notes.push_back(
+        fmt::format("{} of these would agree with the other sign of latitude or longitude",
+                    georegistration.num_sign_errors));
+  }
+  return notes;
+}
+
 }  // namespace cairn

@@ -117,6 +117,9 @@ Georegistration Georegister(const Reconstruction& reconstruction,
                             const GeoregisterOptions& options,
                             const ImageOrientations& orientations = {});
 
+// Sentences about the positions that disagree; none if all agree.
+std::vector<std::string> NotesOnOutliers(const Georegistration& georegistration);
+
 }  // namespace cairn
 
 #endif  // CAIRN_INGEST_PLACE_GEOREGISTER_H_

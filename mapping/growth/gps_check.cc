@@ -307,10 +307,31 @@ double GpsCheck::SigmaOf(const MappingPhoto& photo) const {
   return stated_m * (photo.gps_accuracy_m ? noise_of_stated_ : noise_of_unstated_);
 }
 
+Eigen::Vector2d GpsCheck::PositionInEnu(int photo) const {
+  return (enu_from_ecef_ * EcefFromGeodetic(*set_.photos[photo].gps)).head<2>();
+}
+
+Eigen::Vector2d GpsCheck::PoseInEnu(const Rigid3d& cam_from_world) const {
+  return (*enu_from_world_ * cam_from_world.Inverse().translation).head<2>();
+}
+
 double GpsCheck::TurnErrorM(const Eigen::Vector3d& x_in_enu) const {
   constexpr double kHalfTurn = 2.0;  // Moves a point by twice its distance from the line.
   const double turn = kMaxSigmas * fit_sigma_m_ / std::max(1e-9, across_m_);
   return line_in_enu_.distance(x_in_enu) * std::min(kHalfTurn, turn);
+}
+
+GpsCheck::Nearer GpsCheck::NearerTo(int witness, int photo, const Rigid3d& cam_from_world) const {
+  if (!enu_from_world_ || !set_.photos[witness].gps || !set_.photos[photo].gps) {
+    return Nearer::kNeither;
+  }
+  const Eigen::Vector2d of_witness = PositionInEnu(witness);
+  const double to_pose_m = (of_witness - PoseInEnu(cam_from_world)).norm();
+  const double to_position_m = (of_witness - PositionInEnu(photo)).norm();
+  if (2.0 * to_pose_m <= to_position_m) {
+    return Nearer::kPose;
+  }
+  return 2.0 * to_position_m <= to_pose_m ? Nearer::kPosition : Nearer::kNeither;
 }
 
 bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world, bool is_doubted) const {
@@ -319,14 +340,13 @@ bool GpsCheck::Contradicts(int photo, const Rigid3d& cam_from_world, bool is_dou
     return false;
   }
   const Eigen::Vector3d found = *enu_from_world_ * cam_from_world.Inverse().translation;
-  const Eigen::Vector3d stated = enu_from_ecef_ * EcefFromGeodetic(*source.gps);
   // The error of a fitted line: that of its middle, and that of its turn and scale.
   const double distance_m = (found.head<2>() - middle_in_enu_).norm();
   const double fit_sigma_m = fit_sigma_m_ * std::hypot(1.0, distance_m / spread_m_);
   const double max_sigmas = is_doubted ? kMaxSigmasOfDoubted : kMaxSigmas;
   const double limit_m = max_sigmas * std::hypot(SigmaOf(source), fit_sigma_m) + kDriftM +
                          kDriftShare * distance_m + TurnErrorM(found);
-  return (found - stated).head<2>().norm() > limit_m;
+  return (found.head<2>() - PositionInEnu(photo)).norm() > limit_m;
 }
 
 }  // namespace cairn

@@ -19,6 +19,9 @@ namespace cairn {
 // height do not count.
 class GpsCheck {
  public:
+  // What a photo is near to, of the pose of another and its position.
+  enum class Nearer { kNeither, kPose, kPosition };
+
   // Fits a similarity to the positions of at least half of the photos. Checks nothing if the
   // positions do not determine one: fewer than kMinPositions, or a spread too small for their
   // errors. Deterministic by seed.
@@ -30,6 +33,11 @@ class GpsCheck {
   // the line may be off by 3.5 standard deviations of that turn more.
   // `is_doubted`: two views of the photo contradict the pose, too; then 2.5 instead of 3.5.
   bool Contradicts(int photo, const Rigid3d& cam_from_world, bool is_doubted = false) const;
+
+  // Whether the position of `witness` is at most half as far from the pose of `photo` as from the
+  // position of `photo`, or the other way, horizontally. Neither if one of the photos has no
+  // position or nothing is checked.
+  Nearer NearerTo(int witness, int photo, const Rigid3d& cam_from_world) const;
 
   // The photos, in the order of the set, on the smaller side of the largest step in the errors of
   // the positions, if that step is more than chance and drift make: ascending, or none. One photo
@@ -66,6 +74,8 @@ class GpsCheck {
   // The noise an axis that photos in a row show, whatever steps there are between some of them.
   double NoiseOfRow() const;
   double SigmaOf(const MappingPhoto& photo) const;
+  Eigen::Vector2d PositionInEnu(int photo) const;
+  Eigen::Vector2d PoseInEnu(const Rigid3d& cam_from_world) const;
   // How far the fit may err at a point because it may turn about the line of its photos.
   double TurnErrorM(const Eigen::Vector3d& x_in_enu) const;
 

@@ -169,7 +169,7 @@ class DraftGrower {
       const Rigid3d& cam_from_world = draft_->PoseOf(photo);
       const Testimony testimony =
           proposer_.AskAbout(*draft_, photo, {cam_from_world, draft_->CameraOf(photo)});
-      if (proposer_.IsElsewhere(gps, testimony, photo, cam_from_world)) {
+      if (proposer_.IsElsewhere(*draft_, gps, testimony, photo, cam_from_world)) {
         contradicted.push_back(photo);
       }
     }

@@ -277,7 +277,7 @@ class Joiner {
       const Testimony testimony =
           scene_.proposer.AskAbout(*draft, photo, {pose, draft->CameraOf(photo)});
       if (counts[photo] < scene_.options.min_inliers ||
-          scene_.proposer.IsElsewhere(gps, testimony, photo, pose)) {
+          scene_.proposer.IsElsewhere(*draft, gps, testimony, photo, pose)) {
         lost.push_back(photo);
       }
     }

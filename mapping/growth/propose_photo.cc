@@ -33,6 +33,8 @@ std::span<const double> FactorsOfNew(FocalSource source) {
 // and Schmid 2005), and if one shows it less than this many times as large.
 constexpr double kAlikeAngleRad = 0.35;
 constexpr double kAlikeScale = 2.0;
+// A link is strong with this share of the inliers of a photo's strongest link.
+constexpr double kStrongLinkShare = 0.5;
 // The two views that agree have this many times the inliers of those that contradict.
 constexpr double kBeyondDoubt = 4.0;
 
@@ -66,11 +68,37 @@ Testimony Proposer::AskAbout(const Draft& draft, int photo, const Posed& posed) 
   });
 }
 
-bool Proposer::IsElsewhere(const GpsCheck& gps, const Testimony& testimony, int photo,
-                           const Rigid3d& cam_from_world) const {
+bool Proposer::IsElsewhere(const Draft& draft, const GpsCheck& gps, const Testimony& testimony,
+                           int photo, const Rigid3d& cam_from_world) const {
   const bool is_doubted =
       kBeyondDoubt * testimony.contradicting_inliers > testimony.agreeing_inliers;
-  return gps.Contradicts(photo, cam_from_world, is_doubted);
+  return gps.Contradicts(photo, cam_from_world, is_doubted) &&
+         !IsPositionWrong(draft, gps, testimony, photo, cam_from_world);
+}
+
+bool Proposer::IsPositionWrong(const Draft& draft, const GpsCheck& gps, const Testimony& testimony,
+                               int photo, const Rigid3d& cam_from_world) const {
+  if (!IsBeyondDoubt(testimony)) {
+    return false;
+  }
+  double near_pose = 0.0, near_position = 0.0;  // Inliers.
+  double strongest = 0.0, strongest_in_draft = 0.0, strongest_near_position = 0.0;
+  for (const int view : graph_.ViewsOf(photo)) {
+    const int other = graph_.OtherOf(view, photo);
+    const auto num_inliers = static_cast<double>(graph_.View(view).inliers.size());
+    strongest = std::max(strongest, num_inliers);
+    const GpsCheck::Nearer nearer = gps.NearerTo(other, photo, cam_from_world);
+    if (nearer == GpsCheck::Nearer::kPosition) {
+      near_position += num_inliers;
+      strongest_near_position = std::max(strongest_near_position, num_inliers);
+    } else if (draft.Has(other)) {
+      near_pose += nearer == GpsCheck::Nearer::kPose ? num_inliers : 0.0;
+      strongest_in_draft = std::max(strongest_in_draft, num_inliers);
+    }
+  }
+  return near_pose >= kBeyondDoubt * near_position &&
+         strongest_in_draft >= kStrongLinkShare * strongest &&
+         strongest_near_position < kStrongLinkShare * strongest;
 }
 
 Proposal Proposer::Localize(const Draft& draft, int photo) const {
@@ -109,7 +137,7 @@ Proposal Proposer::Propose(const Draft& draft, const GpsCheck& gps, int photo,
   } else if (testimony.num_witnesses < options_.min_witnesses ||
              testimony.agreeing_inliers <= testimony.contradicting_inliers) {
     proposal.verdict = PhotoVerdict::kContradicted;
-  } else if (IsElsewhere(gps, testimony, photo, proposal.pose->cam_from_world)) {
+  } else if (IsElsewhere(draft, gps, testimony, photo, proposal.pose->cam_from_world)) {
     proposal.verdict = PhotoVerdict::kGpsContradicts;
   } else {
     proposal.verdict = PhotoVerdict::kInSegment;

@@ -31,8 +31,9 @@ class Proposer {
   // What the two views of a photo with those of the draft say about a pose.
   Testimony AskAbout(const Draft& draft, int photo, const Posed& posed) const;
 
-  // True if the positions contradict the pose. They need to say less if two views do, too.
-  bool IsElsewhere(const GpsCheck& gps, const Testimony& testimony, int photo,
+  // True if the positions contradict the pose and it is not the photo's own position that is wrong.
+  // They need to say less if two views contradict, too.
+  bool IsElsewhere(const Draft& draft, const GpsCheck& gps, const Testimony& testimony, int photo,
                    const Rigid3d& cam_from_world) const;
 
   // Localizes a photo, without the rules of acceptance.
@@ -46,6 +47,11 @@ class Proposer {
 
  private:
   bool IsBeyondDoubt(const Testimony& testimony) const;
+  // True if the photos that show the same as this one were taken, by their own positions, where its
+  // pose is and not where its position is. At another copy of a facade, those with the strongest
+  // links are near its position.
+  bool IsPositionWrong(const Draft& draft, const GpsCheck& gps, const Testimony& testimony,
+                       int photo, const Rigid3d& cam_from_world) const;
   // True if a photo of the draft shows what this pose sees from nearly the same place, and so
   // should have a strong link with the photo. At a wrong copy of a facade, there is one.
   bool LooksLikeOneOf(const Draft& draft, int photo, const LocalizedPhoto& pose) const;

@@ -17,6 +17,7 @@
 #include "mapping/session/edited_photos.h"
 #include "mapping/session/match_in_parts.h"
 #include "mapping/session/photo_places.h"
+#include "mapping/session/row_jumps.h"
 #include "mapping/session/stage_clock.h"
 #include "mapping/session/stage_codec.h"
 #include "mapping/session/stage_keys.h"
@@ -114,6 +115,7 @@ void Mapper::Read() {
                             num_read, result_.num_photos, options_.growth.min_photos));
   }
   places_ = FindPhotoPlaces(input_, &folder_, &result_.notes);
+  DropLinkedRuns(input_.gps_accuracy_m, options_.two_views, &folder_.set);
   views_key_ = ViewsKeyOf(folder_, places_, options_);
   segments_key_ = SegmentsKeyOf(views_key_, options_.growth);
   clock.End(folder_.num_from_work == num_read);
@@ -286,6 +288,7 @@ void Mapper::PlaceOne(const Segment& segment) {
     return;
   }
   Add(placed);
+  std::ranges::move(NotesOnOutliers(placed.georegistration), std::back_inserter(result_.notes));
   SegmentReport report;
   report.num_photos = static_cast<int>(segment.photo_of_image.size());
   report.georegistration = placed.georegistration;
@@ -382,8 +385,7 @@ void Mapper::ReportLeftOut(const Growth& growth) {
           {folder_.set.photos[i].name, ExplainVerdict(growth.verdict_of_photo[i])});
     }
   }
-  std::sort(result_.left_out.begin(), result_.left_out.end(),
-            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
+  std::ranges::sort(result_.left_out, {}, &LeftOutPhoto::name);
 }
 
 }  // namespace

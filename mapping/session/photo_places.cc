@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "ingest/place/position_checks.h"
 #include "mapping/photos/photo_files.h"
+#include "mapping/session/row_jumps.h"
 
 namespace cairn {
 namespace {
@@ -128,6 +129,7 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
       photo.gps_accuracy_m = found->second.accuracy_m;
     }
   }
+  DropJumps(input.gps_accuracy_m, &set);
   return places;
 }
 

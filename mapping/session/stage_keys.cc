@@ -16,7 +16,7 @@ std::string DigestOf(const std::string& text) {
 
 std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
                        const MappingOptions& options) {
-  std::string key = fmt::format("mapping 12 {}", folder.digest);
+  std::string key = fmt::format("mapping 13 {}", folder.digest);
   const PairOptions& p = options.pairs;
   key += fmt::format(" pairs {} {} {} {} {} {} {}", p.max_partners, p.max_exhaustive, p.max_voters,
                      p.max_panel, p.neighbors_per_voter, p.max_distance_m, p.default_accuracy_m);
@@ -35,7 +35,7 @@ std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
 }
 
 std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& g) {
-  return DigestOf(fmt::format("{} growth 7 {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
+  return DigestOf(fmt::format("{} growth 8 {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
                               g.min_link_share, g.min_witnesses, g.max_rotation_error_rad,
                               g.max_direction_error_rad, g.default_gps_accuracy_m,
                               g.adjust_after_growth, g.min_photos, g.seed));

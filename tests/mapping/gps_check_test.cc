@@ -163,6 +163,27 @@ TEST(GpsCheck, FindsThePositionThatIsFarOff) {
   }
 }
 
+// A position 60 m beside the walk: the other photos are near the pose. A photo 60 m along the walk
+// from its position: those there are near the position.
+TEST(GpsCheck, TellsWhetherOthersAreNearThePoseOrThePosition) {
+  using Nearer = GpsCheck::Nearer;
+  PhotoSet set = Walk(30, 9);
+  set.photos[5].gps->lat_rad += 1e-5;
+  set.photos[8].gps.reset();
+  const TrackTable tracks(set, {});
+  Draft draft(set, tracks, {set.cameras[0].camera}, 1);
+  for (int i = 0; i < 30; ++i) {
+    draft.Add(i, PoseAt(kStepM * i));
+  }
+  const GpsCheck gps(set, draft, 15.0, 1);
+  EXPECT_EQ(gps.NearerTo(6, 5, draft.PoseOf(5)), Nearer::kPose);
+  EXPECT_EQ(gps.NearerTo(6, 25, draft.PoseOf(5)), Nearer::kPose);
+  EXPECT_EQ(gps.NearerTo(24, 25, draft.PoseOf(5)), Nearer::kPosition);
+  EXPECT_EQ(gps.NearerTo(15, 25, draft.PoseOf(5)), Nearer::kNeither);
+  EXPECT_EQ(gps.NearerTo(8, 25, draft.PoseOf(5)), Nearer::kNeither);
+  EXPECT_EQ(gps.NearerTo(6, 8, draft.PoseOf(5)), Nearer::kNeither);
+}
+
 // Photos of two copies 15 m apart, which stand in one place: too short for the scale to be known to
 // a quarter, and long enough to contradict a copy.
 TEST(GpsCheck, ContradictsACopyOfAShortWalk) {

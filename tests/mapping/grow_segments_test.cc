@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "mapping/pairs/find_pairs.h"
 #include "support/street_photos.h"
@@ -109,6 +110,25 @@ TEST(GrowSegments, PositionsTellCopiesOfAFacadeApart) {
     EXPECT_LT(testing::WorstError(street, segment.model, segment.photo_of_image), 0.2 * 1.0);
   }
   EXPECT_GE(2 * num_photos, set.photos.size());
+}
+
+// A receiver in a street canyon: each fourth position is 40 m off, each in a direction of its own.
+TEST(GrowSegments, PositionsThatAreFarOffCostNoPhoto) {
+  const Reconstruction street = testing::StreetWorld(SmallStreet()).Reconstruct();
+  PhotoSet set = testing::PhotosOf(street);
+  testing::AddNoisyPositions(street, 1.0, 2.0, 5, &set);
+  for (size_t i = 1; i < set.photos.size(); i += 4) {
+    Geodetic& gps = *set.photos[i].gps;
+    const double direction_rad = 2.0 * static_cast<double>(i);
+    gps.lat_rad += 40.0 / 6.37e6 * std::sin(direction_rad);
+    gps.lon_rad += 40.0 / (6.37e6 * std::cos(gps.lat_rad)) * std::cos(direction_rad);
+  }
+  const Growth growth = Grow(set);
+  ASSERT_EQ(growth.segments.size(), 1u);
+  EXPECT_EQ(growth.segments[0].photo_of_image.size(), set.photos.size());
+  EXPECT_LT(
+      testing::WorstError(street, growth.segments[0].model, growth.segments[0].photo_of_image),
+      0.2 * 0.1);
 }
 
 TEST(GrowSegments, SaysWhyAPhotoIsNotInTheMap) {
