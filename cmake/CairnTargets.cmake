@@ -78,7 +78,7 @@ function(cairn_test)
       "PASSED  \\] 0 tests\\.(\n\\[  SKIPPED \\] [^\n]*)+\n*$")
   endforeach()
   list(JOIN not_alone ":" not_alone)
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${not_alone}"
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${not_alone}" NO_PRETTY_VALUES
     PROPERTIES TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 

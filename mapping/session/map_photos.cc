@@ -115,7 +115,7 @@ void Mapper::Read() {
                             num_read, result_.num_photos, options_.growth.min_photos));
   }
   places_ = FindPhotoPlaces(input_, &folder_, &result_.notes);
-  DropLinkedRuns(input_.gps_accuracy_m, options_.two_views, &folder_.set);
+  DropJumps(input_.gps_accuracy_m, options_.two_views, &folder_.set);
   views_key_ = ViewsKeyOf(folder_, places_, options_);
   segments_key_ = SegmentsKeyOf(views_key_, options_.growth);
   clock.End(folder_.num_from_work == num_read);

@@ -8,7 +8,6 @@
 #include "core/error.h"
 #include "ingest/place/position_checks.h"
 #include "mapping/photos/photo_files.h"
-#include "mapping/session/row_jumps.h"
 
 namespace cairn {
 namespace {
@@ -129,7 +128,6 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
       photo.gps_accuracy_m = found->second.accuracy_m;
     }
   }
-  DropJumps(input.gps_accuracy_m, &set);
   return places;
 }
 

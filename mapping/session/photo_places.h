@@ -11,10 +11,10 @@
 namespace cairn {
 
 // Positions of a table replace those of the set, too, for the stages that compare distances; for
-// these, a photo whose EXIF states no accuracy has none, and positions that jump are dropped
-// (DropJumps). Adds sentences to `notes`. Throws Error(kBadInput), with what to do, if fewer than
-// three photos have a position, if the table has latitude and longitude exchanged by the EXIF of
-// the photos, and as ReadCameraPositions and CheckPositions do.
+// these, a photo whose EXIF states no accuracy has none. Adds sentences to `notes`. Throws
+// Error(kBadInput), with what to do, if fewer than three photos have a position, if the table has
+// latitude and longitude exchanged by the EXIF of the photos, and as ReadCameraPositions and
+// CheckPositions do.
 PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
                             std::vector<std::string>* notes);
 

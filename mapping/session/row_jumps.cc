@@ -196,41 +196,42 @@ double MedianDistanceM(const std::vector<Fix>& fixes, const Run& run) {
   return Median(std::move(distances_m));
 }
 
-}  // namespace
-
-void DropJumps(double accuracy_m, PhotoSet* set) {
-  std::vector<Fix> fixes = FixesOf(accuracy_m, *set);
-  std::vector<bool> is_wrong(fixes.size(), false);
-  for (size_t i = 0; i < fixes.size(); ++i) {
-    is_wrong[i] = JumpsOutOf(RowAround(fixes, i), fixes[i]);
+void DropSingle(std::vector<Fix>* fixes, PhotoSet* set) {
+  std::vector<bool> is_wrong(fixes->size(), false);
+  for (size_t i = 0; i < fixes->size(); ++i) {
+    is_wrong[i] = JumpsOutOf(RowAround(*fixes, i), (*fixes)[i]);
   }
-  Drop(is_wrong, &fixes, set);
-  const double usual_step_m = UsualStepM(fixes);
-  const std::vector<Run> runs = RunsOf(fixes, usual_step_m);
-  is_wrong.assign(fixes.size(), false);
+  Drop(is_wrong, fixes, set);
+}
+
+// Runs that positions alone show to be wrong.
+void DropRuns(std::vector<Fix>* fixes, PhotoSet* set) {
+  const double usual_step_m = UsualStepM(*fixes);
+  const std::vector<Run> runs = RunsOf(*fixes, usual_step_m);
+  std::vector<bool> is_wrong(fixes->size(), false);
   for (size_t i = 0; i < runs.size() && runs.size() > 1; ++i) {
     const bool is_end = i == 0 || i + 1 == runs.size();
-    if (is_end ? StandsStill(fixes, runs[i])
-               : JumpsAndReturns(fixes, usual_step_m, runs[i - 1], runs[i], runs[i + 1])) {
+    if (is_end ? StandsStill(*fixes, runs[i])
+               : JumpsAndReturns(*fixes, usual_step_m, runs[i - 1], runs[i], runs[i + 1])) {
       Mark(runs[i], &is_wrong);
     }
   }
-  Drop(is_wrong, &fixes, set);
+  Drop(is_wrong, fixes, set);
 }
 
-void DropLinkedRuns(double accuracy_m, const TwoViewOptions& options, PhotoSet* set) {
-  std::vector<Fix> fixes = FixesOf(accuracy_m, *set);
-  const std::vector<Run> runs = RunsOf(fixes, UsualStepM(fixes));
-  std::vector<bool> is_wrong(fixes.size(), false);
+// Runs that show the same as the next, but for the one that most photos are near.
+void DropLinkedRuns(const TwoViewOptions& options, std::vector<Fix>* fixes, PhotoSet* set) {
+  const std::vector<Run> runs = RunsOf(*fixes, UsualStepM(*fixes));
+  std::vector<bool> is_wrong(fixes->size(), false);
   for (size_t begin = 0, end = 1; begin < runs.size(); begin = end++) {
     while (end < runs.size() && runs[end - 1].size() + runs[end].size() > 2 &&
-           ShowTheSame(*set, fixes, runs[end - 1], runs[end], options)) {
+           ShowTheSame(*set, *fixes, runs[end - 1], runs[end], options)) {
       ++end;
     }
     const std::span<const Run> linked = std::span(runs).subspan(begin, end - begin);
     if (linked.size() > 1) {
       const auto believed = std::ranges::min_element(
-          linked, {}, [&](const Run& run) { return MedianDistanceM(fixes, run); });
+          linked, {}, [&](const Run& run) { return MedianDistanceM(*fixes, run); });
       for (auto run = linked.begin(); run != linked.end(); ++run) {
         if (run != believed) {
           Mark(*run, &is_wrong);
@@ -238,7 +239,16 @@ void DropLinkedRuns(double accuracy_m, const TwoViewOptions& options, PhotoSet* 
       }
     }
   }
-  Drop(is_wrong, &fixes, set);
+  Drop(is_wrong, fixes, set);
+}
+
+}  // namespace
+
+void DropJumps(double accuracy_m, const TwoViewOptions& options, PhotoSet* set) {
+  std::vector<Fix> fixes = FixesOf(accuracy_m, *set);
+  DropSingle(&fixes, set);
+  DropRuns(&fixes, set);
+  DropLinkedRuns(options, &fixes, set);
 }
 
 }  // namespace cairn

@@ -11,18 +11,15 @@ namespace cairn {
 // - a position far from those of the six photos around it, which are near each other;
 // - a run of positions that jumps away and back, if the runs before and after it are longer;
 // - the same position for the first or the last photos, far from the next: a receiver that had not
-//   found its place yet.
+//   found its place yet;
+// - all runs but one that are parted by jumps where the photos before and after show the same: runs
+//   are misplaced as a whole. The run nearest to the photos of the set keeps its positions.
 // "Far" is five times the usual distance there, or the accuracy if that is more. Photos in no order
 // keep their positions, because none is near the next. A photo that loses a position that was right
 // after all, such as that of another walk between two photos of this one, is compared with all
-// others, and its segment is placed by its position all the same. `accuracy_m` is that of positions
-// that state none.
-void DropJumps(double accuracy_m, PhotoSet* set);
-
-// Where photos before and after a jump show the same, a run is misplaced as a whole. Of runs that
-// such jumps part, the one nearest to the photos of the set keeps its positions. The placement,
-// which knows all positions, finds out by itself which agree. Matches six pairs a jump.
-void DropLinkedRuns(double accuracy_m, const TwoViewOptions& options, PhotoSet* set);
+// others. The placement, which knows all positions, finds out by itself which agree.
+// `accuracy_m` is that of positions that state none. Matches six pairs a jump.
+void DropJumps(double accuracy_m, const TwoViewOptions& options, PhotoSet* set);
 
 }  // namespace cairn
 

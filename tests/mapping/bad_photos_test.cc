@@ -204,10 +204,24 @@ TEST_F(BadPhotos, AHundredMetersOffForSomeAreOutvoted) {
   // two positions.
   for (const uint64_t seed : {7, 11}) {
     const MappedPhotos mapped = Map(PhotoScene(seed), shots);
-    ExpectMapped(mapped, 9);
-    EXPECT_EQ(mapped.num_mapped + static_cast<int>(mapped.left_out.size()), 11);
+    ExpectMapped(mapped, 11);
+    EXPECT_THAT(mapped.notes,
+                ::testing::Contains(HasSubstr("2 positions disagree and do not count")));
     ExpectRight(mapped, shots);
   }
+}
+
+// A receiver that found its place only after four photos.
+TEST_F(BadPhotos, AHundredMetersOffForTheFirstAreOutvoted) {
+  std::vector<Shot> shots = Walk(11);
+  for (int i = 0; i < 4; ++i) {
+    shots[i].gps_error_m = {60.0, 80.0, 0.0};
+  }
+  const MappedPhotos mapped = Map(shots);
+  ExpectMapped(mapped, 11);
+  EXPECT_THAT(mapped.notes,
+              ::testing::Contains(HasSubstr("4 positions disagree and do not count")));
+  ExpectRight(mapped, shots);
 }
 
 TEST_F(BadPhotos, PortraitAndLandscapeMixed) {

@@ -15,9 +15,12 @@ namespace {
 constexpr int kNumPhotos = 40;
 constexpr double kEastRad = 1.6e-5;  // 57 m at this latitude.
 
-// A walk north with a photo each 3 m.
+// A walk north with a photo each 3 m, which show nothing.
 PhotoSet WalkNorth(int num_photos = kNumPhotos) {
   PhotoSet set;
+  set.cameras.push_back({Camera(CameraModel::kPinhole, 640, 480, {400.0, 400.0, 320.0, 240.0}),
+                         {},
+                         FocalSource::kCalibration});
   for (int i = 0; i < num_photos; ++i) {
     MappingPhoto photo;
     photo.name = std::to_string(100 + i) + ".jpg";
@@ -40,7 +43,7 @@ std::vector<int> WithoutPosition(const PhotoSet& set) {
 }
 
 std::vector<int> Dropped(PhotoSet set) {
-  DropJumps(5.0, &set);
+  DropJumps(5.0, {}, &set);
   return WithoutPosition(set);
 }
 
@@ -113,17 +116,12 @@ PhotoSet Street(uint64_t seed) {
   return set;
 }
 
-std::vector<int> DroppedByLinks(PhotoSet set) {
-  DropLinkedRuns(5.0, {}, &set);
-  return WithoutPosition(set);
-}
-
 TEST(RowJumps, ARunThatShowsTheSameAsTheNextIsMisplaced) {
   const PhotoSet street = Street(1);
-  EXPECT_EQ(DroppedByLinks(WithEast(street, Range(0, 6))), Range(0, 6));
+  EXPECT_EQ(Dropped(WithEast(street, Range(0, 6))), Range(0, 6));
   const int count = static_cast<int>(street.photos.size());
-  EXPECT_EQ(DroppedByLinks(WithEast(street, Range(4, count))), Range(0, 4));
-  EXPECT_EQ(DroppedByLinks(street), Range(0, 0));
+  EXPECT_EQ(Dropped(WithEast(street, Range(4, count))), Range(0, 4));
+  EXPECT_EQ(Dropped(street), Range(0, 0));
 }
 
 // The largest run is the misplaced one, but most photos are near the others.
@@ -136,7 +134,7 @@ TEST(RowJumps, TheRunsOfMostPhotosAreBelieved) {
   for (size_t i = 9; i < set.photos.size(); ++i) {
     set.photos[i].gps->lat_rad += 2e-6;  // 13 m.
   }
-  const std::vector<int> dropped = DroppedByLinks(set);
+  const std::vector<int> dropped = Dropped(set);
   EXPECT_EQ(std::vector<int>(dropped.begin(), dropped.begin() + 5), Range(0, 5));
   EXPECT_EQ(dropped.size(), 9u);  // One of the runs of four keeps its positions.
 }
@@ -148,7 +146,7 @@ TEST(RowJumps, TwoPlacesInOneFolderKeepTheirPositions) {
     photo.name = "there/" + photo.name;
     set.photos.push_back(std::move(photo));
   }
-  EXPECT_EQ(DroppedByLinks(WithEast(set, Range(num_first, 2 * num_first))), Range(0, 0));
+  EXPECT_EQ(Dropped(WithEast(set, Range(num_first, 2 * num_first))), Range(0, 0));
 }
 
 }  // namespace
