@@ -31,24 +31,37 @@ constexpr double kSamePlaceM = 0.1;
 constexpr double kLinkShare = 0.5;
 constexpr double kSecondLinkShare = 0.25;
 
+// What is compared along the row, and dropped where it is wrong.
+enum class Part { kPosition, kHeight };
+
+// Heights err by more than this many times what positions do.
+constexpr double kHeightError = 2.0;
+
 struct Fix {
   int photo = 0;
-  Eigen::Vector3d x_in_ecef;  // On the ellipsoid.
+  Eigen::Vector3d x_m;  // In ECEF, on the ellipsoid; or the height and zeros.
   double accuracy_m = 0.0;
 };
 
-std::vector<Fix> FixesOf(double accuracy_m, const PhotoSet& set) {
+std::vector<Fix> FixesOf(const PhotoSet& set, double accuracy_m, Part part) {
   std::vector<Fix> fixes;
   for (size_t i = 0; i < set.photos.size(); ++i) {
-    if (const auto& gps = set.photos[i].gps) {
-      fixes.push_back({static_cast<int>(i), EcefFromGeodetic({gps->lat_rad, gps->lon_rad, 0.0}),
-                       set.photos[i].gps_accuracy_m.value_or(accuracy_m)});
+    const MappingPhoto& photo = set.photos[i];
+    if (!photo.gps || (part == Part::kHeight && !photo.gps_has_height)) {
+      continue;
+    }
+    const double stated_m = photo.gps_accuracy_m.value_or(accuracy_m);
+    if (part == Part::kPosition) {
+      const Geodetic on_ellipsoid = {photo.gps->lat_rad, photo.gps->lon_rad, 0.0};
+      fixes.push_back({static_cast<int>(i), EcefFromGeodetic(on_ellipsoid), stated_m});
+    } else {
+      fixes.push_back({static_cast<int>(i), {photo.gps->h_m, 0.0, 0.0}, kHeightError * stated_m});
     }
   }
   return fixes;
 }
 
-double Distance(const Fix& p, const Fix& q) { return (p.x_in_ecef - q.x_in_ecef).norm(); }
+double Distance(const Fix& p, const Fix& q) { return (p.x_m - q.x_m).norm(); }
 
 // The fixes before and after one of them, as many on each side where there are as many.
 std::vector<Fix> RowAround(const std::vector<Fix>& fixes, size_t i) {
@@ -68,7 +81,7 @@ Eigen::Vector3d MedianOf(const std::vector<Fix>& fixes) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> coordinates;
     for (const Fix& fix : fixes) {
-      coordinates.push_back(fix.x_in_ecef[axis]);
+      coordinates.push_back(fix.x_m[axis]);
     }
     median[axis] = Median(std::move(coordinates));
   }
@@ -82,25 +95,34 @@ bool JumpsOutOf(const std::vector<Fix>& row, const Fix& fix) {
   const Eigen::Vector3d median = MedianOf(row);
   std::vector<double> distances_m;
   for (const Fix& other : row) {
-    distances_m.push_back((other.x_in_ecef - median).norm());
+    distances_m.push_back((other.x_m - median).norm());
   }
   const double usual_m = std::max(fix.accuracy_m, Median(std::move(distances_m)));
-  return (fix.x_in_ecef - median).norm() > kJump * usual_m;
+  return (fix.x_m - median).norm() > kJump * usual_m;
 }
 
-// Drops the fixes that `is_wrong` says are, and the positions of their photos.
-void Drop(const std::vector<bool>& is_wrong, std::vector<Fix>* fixes, PhotoSet* set) {
+// The photos of the set, and the part of their positions that is compared.
+struct Row {
+  PhotoSet* set = nullptr;
+  Part part = Part::kPosition;
+  std::vector<Fix> fixes;
+};
+
+// Drops the fixes that `is_wrong` says are.
+void Drop(const std::vector<bool>& is_wrong, Row* row) {
   std::vector<Fix> kept;
-  for (size_t i = 0; i < fixes->size(); ++i) {
-    if (is_wrong[i]) {
-      MappingPhoto& photo = set->photos[(*fixes)[i].photo];
+  for (size_t i = 0; i < row->fixes.size(); ++i) {
+    MappingPhoto& photo = row->set->photos[row->fixes[i].photo];
+    if (!is_wrong[i]) {
+      kept.push_back(row->fixes[i]);
+    } else if (row->part == Part::kPosition) {
       photo.gps.reset();
       photo.gps_accuracy_m.reset();
     } else {
-      kept.push_back((*fixes)[i]);
+      photo.gps_has_height = false;
     }
   }
-  *fixes = std::move(kept);
+  row->fixes = std::move(kept);
 }
 
 // Fixes [begin, end), each near the next.
@@ -196,42 +218,44 @@ double MedianDistanceM(const std::vector<Fix>& fixes, const Run& run) {
   return Median(std::move(distances_m));
 }
 
-void DropSingle(std::vector<Fix>* fixes, PhotoSet* set) {
-  std::vector<bool> is_wrong(fixes->size(), false);
-  for (size_t i = 0; i < fixes->size(); ++i) {
-    is_wrong[i] = JumpsOutOf(RowAround(*fixes, i), (*fixes)[i]);
+void DropSingle(Row* row) {
+  std::vector<bool> is_wrong(row->fixes.size(), false);
+  for (size_t i = 0; i < row->fixes.size(); ++i) {
+    is_wrong[i] = JumpsOutOf(RowAround(row->fixes, i), row->fixes[i]);
   }
-  Drop(is_wrong, fixes, set);
+  Drop(is_wrong, row);
 }
 
-// Runs that positions alone show to be wrong.
-void DropRuns(std::vector<Fix>* fixes, PhotoSet* set) {
-  const double usual_step_m = UsualStepM(*fixes);
-  const std::vector<Run> runs = RunsOf(*fixes, usual_step_m);
-  std::vector<bool> is_wrong(fixes->size(), false);
+// Runs that the row alone shows to be wrong.
+void DropRuns(Row* row) {
+  const std::vector<Fix>& fixes = row->fixes;
+  const double usual_step_m = UsualStepM(fixes);
+  const std::vector<Run> runs = RunsOf(fixes, usual_step_m);
+  std::vector<bool> is_wrong(fixes.size(), false);
   for (size_t i = 0; i < runs.size() && runs.size() > 1; ++i) {
     const bool is_end = i == 0 || i + 1 == runs.size();
-    if (is_end ? StandsStill(*fixes, runs[i])
-               : JumpsAndReturns(*fixes, usual_step_m, runs[i - 1], runs[i], runs[i + 1])) {
+    if (is_end ? StandsStill(fixes, runs[i])
+               : JumpsAndReturns(fixes, usual_step_m, runs[i - 1], runs[i], runs[i + 1])) {
       Mark(runs[i], &is_wrong);
     }
   }
-  Drop(is_wrong, fixes, set);
+  Drop(is_wrong, row);
 }
 
 // Runs that show the same as the next, but for the one that most photos are near.
-void DropLinkedRuns(const TwoViewOptions& options, std::vector<Fix>* fixes, PhotoSet* set) {
-  const std::vector<Run> runs = RunsOf(*fixes, UsualStepM(*fixes));
-  std::vector<bool> is_wrong(fixes->size(), false);
+void DropLinkedRuns(const TwoViewOptions& options, Row* row) {
+  const std::vector<Fix>& fixes = row->fixes;
+  const std::vector<Run> runs = RunsOf(fixes, UsualStepM(fixes));
+  std::vector<bool> is_wrong(fixes.size(), false);
   for (size_t begin = 0, end = 1; begin < runs.size(); begin = end++) {
     while (end < runs.size() && runs[end - 1].size() + runs[end].size() > 2 &&
-           ShowTheSame(*set, *fixes, runs[end - 1], runs[end], options)) {
+           ShowTheSame(*row->set, fixes, runs[end - 1], runs[end], options)) {
       ++end;
     }
     const std::span<const Run> linked = std::span(runs).subspan(begin, end - begin);
     if (linked.size() > 1) {
       const auto believed = std::ranges::min_element(
-          linked, {}, [&](const Run& run) { return MedianDistanceM(*fixes, run); });
+          linked, {}, [&](const Run& run) { return MedianDistanceM(fixes, run); });
       for (auto run = linked.begin(); run != linked.end(); ++run) {
         if (run != believed) {
           Mark(*run, &is_wrong);
@@ -239,16 +263,18 @@ void DropLinkedRuns(const TwoViewOptions& options, std::vector<Fix>* fixes, Phot
       }
     }
   }
-  Drop(is_wrong, fixes, set);
+  Drop(is_wrong, row);
 }
 
 }  // namespace
 
 void DropJumps(double accuracy_m, const TwoViewOptions& options, PhotoSet* set) {
-  std::vector<Fix> fixes = FixesOf(accuracy_m, *set);
-  DropSingle(&fixes, set);
-  DropRuns(&fixes, set);
-  DropLinkedRuns(options, &fixes, set);
+  for (const Part part : {Part::kPosition, Part::kHeight}) {
+    Row row = {set, part, FixesOf(*set, accuracy_m, part)};
+    DropSingle(&row);
+    DropRuns(&row);
+    DropLinkedRuns(options, &row);
+  }
 }
 
 }  // namespace cairn

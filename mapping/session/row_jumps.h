@@ -14,11 +14,14 @@ namespace cairn {
 //   found its place yet;
 // - all runs but one that are parted by jumps where the photos before and after show the same: runs
 //   are misplaced as a whole. The run nearest to the photos of the set keeps its positions.
-// "Far" is five times the usual distance there, or the accuracy if that is more. Photos in no order
-// keep their positions, because none is near the next. A photo that loses a position that was right
-// after all, such as that of another walk between two photos of this one, is compared with all
-// others. The placement, which knows all positions, finds out by itself which agree.
-// `accuracy_m` is that of positions that state none. Matches six pairs a jump.
+// Then the same for heights; where these are wrong, the photo has a position without a height.
+//
+// "Far" is five times the usual distance there, or the accuracy if that is more, which for heights
+// is twice that of the position. Photos in no order keep their positions, because none is near the
+// next. A photo that loses a position that was right after all, such as that of another walk
+// between two photos of this one, is compared with all others. The placement, which knows all
+// positions, finds out by itself which agree. `accuracy_m` is that of positions that state none.
+// Matches six pairs a jump.
 void DropJumps(double accuracy_m, const TwoViewOptions& options, PhotoSet* set);
 
 }  // namespace cairn

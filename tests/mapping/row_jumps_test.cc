@@ -149,5 +149,20 @@ TEST(RowJumps, TwoPlacesInOneFolderKeepTheirPositions) {
   EXPECT_EQ(Dropped(WithEast(set, Range(num_first, 2 * num_first))), Range(0, 0));
 }
 
+// Heights above the ellipsoid among heights above the sea.
+TEST(RowJumps, HeightsThatJumpAreNone) {
+  PhotoSet set = Street(1);
+  const int count = static_cast<int>(set.photos.size());
+  for (int i = 0; i < 5; ++i) {
+    set.photos[i].gps->h_m += 45.0;
+  }
+  set.photos[count - 3].gps->h_m -= 45.0;
+  DropJumps(5.0, {}, &set);
+  EXPECT_EQ(WithoutPosition(set), Range(0, 0));
+  for (int i = 0; i < count; ++i) {
+    EXPECT_EQ(set.photos[i].gps_has_height, i >= 5 && i != count - 3) << i;
+  }
+}
+
 }  // namespace
 }  // namespace cairn
