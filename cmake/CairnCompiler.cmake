@@ -64,8 +64,7 @@ find_program(MOLD_PROGRAM mold)
 if(MOLD_PROGRAM AND PROJECT_IS_TOP_LEVEL)
   add_link_options(-fuse-ld=mold)
 endif()
-# Programs load the libraries that they use, not all that their parts might: a test binary starts in a
-# third of the time without OpenCV's codecs and theirs.
+# Programs load the libraries that they use, not all that their parts might.
 if(PROJECT_IS_TOP_LEVEL)
   add_link_options(-Wl,--as-needed)
 endif()

@@ -96,7 +96,7 @@ bool Proposer::IsPositionWrong(const Draft& draft, const GpsCheck& gps, const Te
       strongest_in_draft = std::max(strongest_in_draft, num_inliers);
     }
   }
-  return near_pose >= kBeyondDoubt * near_position &&
+  return near_pose > 0.0 && near_pose >= kBeyondDoubt * near_position &&
          strongest_in_draft >= kStrongLinkShare * strongest &&
          strongest_near_position < kStrongLinkShare * strongest;
 }
