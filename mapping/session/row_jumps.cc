@@ -34,7 +34,7 @@ constexpr double kSecondLinkShare = 0.25;
 // What is compared along the row, and dropped where it is wrong.
 enum class Part { kPosition, kHeight };
 
-// Heights err by more than this many times what positions do.
+// The accuracy of a height, in those of its position.
 constexpr double kHeightError = 2.0;
 
 struct Fix {
@@ -242,7 +242,7 @@ void DropRuns(Row* row) {
   Drop(is_wrong, row);
 }
 
-// Runs that show the same as the next, but for the one that most photos are near.
+// Runs that show the same as the next, but for the one nearest to the photos.
 void DropLinkedRuns(const TwoViewOptions& options, Row* row) {
   const std::vector<Fix>& fixes = row->fixes;
   const std::vector<Run> runs = RunsOf(fixes, UsualStepM(fixes));
