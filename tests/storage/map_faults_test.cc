@@ -134,6 +134,32 @@ void ReadWholeVersion(const MapStore& store) {
   }
 }
 
+// A reader that finds the head of the log half written takes the write lock for a moment.
+TEST(MapReaders, StopNoUpdate) {
+  const testing::TempDir dir;
+  PrepareFourVersions(dir.path());
+  MapStore store = OpenForWriting(dir.path());
+  std::atomic<bool> is_done = false;
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 8; ++i) {
+    readers.emplace_back([&] {
+      while (!is_done) {
+        (void)store.Snapshot();
+      }
+    });
+  }
+  const auto update_map = [&] {
+    for (int round = 0; round < 200; ++round) {
+      store.ReserveIds({.num_landmarks = 1});
+    }
+  };
+  EXPECT_NO_THROW(update_map());
+  is_done = true;
+  for (std::thread& reader : readers) {
+    reader.join();
+  }
+}
+
 TEST(MapReaders, SeeWholeVersionsWhateverIsDone) {
   const testing::TempDir dir;
   PrepareFourVersions(dir.path());

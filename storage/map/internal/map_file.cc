@@ -32,6 +32,9 @@ namespace fs = std::filesystem;
 // A reader waits this long for the exclusive lock that recovery of a crashed writer's log holds
 // briefly.
 constexpr int kReaderTimeoutMs = 5000;
+// A writer waits this long for the write lock: a reader that finds the head of the log half written
+// takes this lock for a moment, to read the head again. Another update holds it for longer.
+constexpr int kWriterTimeoutMs = 200;
 constexpr size_t kSqliteHeaderSize = 100;
 constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 constexpr size_t kPageSizeOffset = 16;
@@ -270,7 +273,8 @@ std::unique_ptr<sqlite::Connection> OpenMapFile(const std::string& path, sqlite:
 }
 
 std::unique_ptr<sqlite::Connection> OpenMapFileForUpdate(const std::string& path) {
-  std::unique_ptr<sqlite::Connection> connection = Connect(path, sqlite::Access::kReadWrite, 0);
+  std::unique_ptr<sqlite::Connection> connection =
+      Connect(path, sqlite::Access::kReadWrite, kWriterTimeoutMs);
   connection->TrustSchema();  // The triggers of the layers write to R*Trees.
   // secure_delete = ON would overwrite freed pages, which costs as much as writing them. FAST
   // overwrites only where no extra page is written.
