@@ -27,17 +27,6 @@ constexpr int kMinPositions = 3;
 // Positions must spread so far that their errors change the scale by at most this share.
 constexpr double kMaxRelativeScaleError = 0.25;
 
-Eigen::Vector3d Median3(std::vector<Eigen::Vector3d> points) {
-  Eigen::Vector3d median;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-    std::nth_element(points.begin(), middle, points.end(),
-                     [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; });
-    median[axis] = (*middle)[axis];
-  }
-  return median;
-}
-
 Eigen::Vector3d CenterInWorld(const ReconImage& image) {
   return image.cam_from_world.Inverse().translation;
 }
@@ -85,7 +74,7 @@ Sim3d NormalizedFromWorld(const std::vector<MatchedPosition>& matched) {
   for (const MatchedPosition& position : matched) {
     centers.push_back(position.center_in_world);
   }
-  const Eigen::Vector3d middle = Median3(centers);
+  const Eigen::Vector3d middle = MedianPoint(centers);
   std::vector<double> distances;
   for (const Eigen::Vector3d& center : centers) {
     distances.push_back((center - middle).norm());
@@ -158,7 +147,7 @@ void RequireSpread(const SimilarityProblem& problem) {
     centers.push_back(position.center_in_enu);
     accuracies_m.push_back(position.accuracy_m);
   }
-  const Eigen::Vector3d middle = Median3(centers);
+  const Eigen::Vector3d middle = MedianPoint(centers);
   for (const Eigen::Vector3d& center : centers) {
     distances_m.push_back((center - middle).norm());
   }
@@ -350,7 +339,7 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   for (const MatchedPosition& position : matched) {
     centers_in_ecef.push_back(position.center_in_ecef);
   }
-  const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(Median3(centers_in_ecef)));
+  const Rigid3d ecef_from_enu = EcefFromEnu(GeodeticFromEcef(MedianPoint(centers_in_ecef)));
   const Sim3d normalized_from_world = NormalizedFromWorld(matched);
   SimilarityProblem problem;
   problem.positions = PositionsInEnu(matched, normalized_from_world, ecef_from_enu);

@@ -76,23 +76,15 @@ std::vector<Fix> RowAround(const std::vector<Fix>& fixes, size_t i) {
   return row;
 }
 
-Eigen::Vector3d MedianOf(const std::vector<Fix>& fixes) {
-  Eigen::Vector3d median;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> coordinates;
-    for (const Fix& fix : fixes) {
-      coordinates.push_back(fix.x_m[axis]);
-    }
-    median[axis] = Median(std::move(coordinates));
-  }
-  return median;
-}
-
 bool JumpsOutOf(const std::vector<Fix>& row, const Fix& fix) {
   if (row.size() < kRowPhotos) {
     return false;
   }
-  const Eigen::Vector3d median = MedianOf(row);
+  std::vector<Eigen::Vector3d> points_m;
+  for (const Fix& other : row) {
+    points_m.push_back(other.x_m);
+  }
+  const Eigen::Vector3d median = MedianPoint(points_m);
   std::vector<double> distances_m;
   for (const Fix& other : row) {
     distances_m.push_back((other.x_m - median).norm());
