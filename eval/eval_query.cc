@@ -108,7 +108,7 @@ std::vector<EvalQuery> QueriesFromReconstruction(const Reconstruction& reconstru
     }
     query.query.id = image.name;
     query.query.camera = reconstruction.cameras[image.camera_idx];
-    query.query.features = image.features;
+    query.query.features = image.features.Unpacked();
     query.cam_from_ecef = CamFromTarget(image.cam_from_world, ecef_from_world);
     queries.push_back(std::move(query));
   }

@@ -59,7 +59,7 @@ void AddImage(const ReconImage& image, Hasher* hasher) {
     hasher->Add(keypoint.scale_px);
     hasher->Add(keypoint.orientation_rad);
   }
-  hasher->Add(image.features.descriptors);
+  hasher->Add(image.features.descriptors.Unpacked());
 }
 
 // Adds options in the order of their description. A changed order would make a new ingest of every
@@ -148,7 +148,7 @@ std::string PhotosDigestOf(const Reconstruction& reconstruction) {
   for (const ReconImage& image : reconstruction.images) {
     if (image.features.size() > 0) {
       Hasher hasher;
-      hasher.Add(image.features.descriptors);
+      hasher.Add(image.features.descriptors.Unpacked());
       photos.push_back(hasher.Hex().substr(0, kPhotoDigits));
     }
   }

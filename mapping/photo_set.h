@@ -9,16 +9,11 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/features.h"
 #include "core/focal_length.h"
 #include "core/geodesy.h"
+#include "core/packed_features.h"
 
 namespace cairn {
-
-// SIFT descriptors are whole numbers up to 255: num_features x 128, row-major. A quarter of the
-// memory of a DescriptorMatrix.
-using ByteDescriptorMatrix =
-    Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 enum class FocalSource {
   kCalibration,  // The user gave the intrinsics; they stay.
@@ -47,7 +42,7 @@ struct MappingPhoto {
   std::string name;  // Unique in the set.
   int camera_idx = 0;
   std::vector<Keypoint> keypoints;
-  ByteDescriptorMatrix descriptors;  // A row a keypoint.
+  ByteDescriptorMatrix descriptors;  // A row a keypoint; SIFT's are whole numbers up to 255.
   // As ReconImage::gps and ReconImage::gps_accuracy_m.
   std::optional<Geodetic> gps;
   std::optional<double> gps_accuracy_m;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/features.h"
 #include "core/geodesy.h"
+#include "core/packed_features.h"
 #include "core/rigid3.h"
 
 namespace cairn {
@@ -19,7 +19,7 @@ struct ReconImage {
   std::string name;
   int camera_idx = 0;
   Rigid3d cam_from_world;
-  FeatureSet features;
+  PackedFeatures features;
   // The position prior of the image. The height is unchanged; for photos it is above mean sea
   // level.
   std::optional<Geodetic> gps;

@@ -59,8 +59,9 @@ std::vector<int64_t> SampleIndices(int64_t total, int64_t count, std::mt19937_64
 }
 
 // The raw descriptor of an observation of a landmark.
-auto DescriptorOf(const Reconstruction& reconstruction, const ReconObservation& observation) {
-  return reconstruction.images[observation.image_idx].features.descriptors.row(
+Eigen::RowVectorXf DescriptorOf(const Reconstruction& reconstruction,
+                                const ReconObservation& observation) {
+  return reconstruction.images[observation.image_idx].features.descriptors.Row(
       observation.keypoint_idx);
 }
 

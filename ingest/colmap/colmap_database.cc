@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -128,6 +129,15 @@ auto WithDatabaseErrors(const std::string& path, const Read& read) {
   }
 }
 
+// What byte b of a descriptor of the normalization L1_ROOT stands for.
+std::vector<float> SquaresOfBytes() {
+  std::vector<float> squares(256);
+  for (int b = 0; b < 256; ++b) {
+    squares[b] = static_cast<float>(b * b) / kDescriptorUnit;
+  }
+  return squares;
+}
+
 }  // namespace
 
 ColmapDatabase::ColmapDatabase(const std::string& path) : path_(path) {
@@ -231,7 +241,7 @@ SiftNormalization ColmapDatabase::NormalizationOfAll() {
   return *normalization_;
 }
 
-DescriptorMatrix ColmapDatabase::ReadDescriptors(const std::string& image_name) {
+PackedDescriptors ColmapDatabase::ReadDescriptors(const std::string& image_name) {
   const auto [matrix, type] =
       ReadMatrix(connection_.get(), "descriptors", has_descriptor_type_, image_name);
   CheckSiftBlob(image_name, type, matrix.rows, matrix.cols, matrix.bytes.size());
@@ -239,21 +249,19 @@ DescriptorMatrix ColmapDatabase::ReadDescriptors(const std::string& image_name) 
   if (matrix.rows > 0) {
     RequireVariedDescriptors(image_name, matrix.bytes, kColmapDim);
   }
-  using ByteMatrix = Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Eigen::Map<const ByteMatrix> bytes(matrix.bytes.data(), matrix.rows, matrix.cols);
-  DescriptorMatrix descriptors = bytes.cast<float>();
-  if (NormalizationOfAll() == SiftNormalization::kL1Root) {
-    descriptors = descriptors.array().square() / kDescriptorUnit;
-  }
-  return descriptors;
+  ByteDescriptorMatrix bytes =
+      Eigen::Map<const ByteDescriptorMatrix>(matrix.bytes.data(), matrix.rows, matrix.cols);
+  return NormalizationOfAll() == SiftNormalization::kL1Root
+             ? PackedDescriptors(std::move(bytes), SquaresOfBytes())
+             : PackedDescriptors(std::move(bytes));
 }
 
-FeatureSet ColmapDatabase::ReadFeatures(const std::string& image_name) {
+PackedFeatures ColmapDatabase::ReadFeatures(const std::string& image_name) {
   return WithDatabaseErrors(path_, [&] {
     const MatrixBlob keypoints =
         ReadMatrix(connection_.get(), "keypoints", /*type_column=*/false, image_name).matrix;
     CheckSize(keypoints, sizeof(float), "keypoints", image_name);
-    FeatureSet features;
+    PackedFeatures features;
     features.descriptors = ReadDescriptors(image_name);
     if (keypoints.rows > 0 && features.descriptors.rows() == 0) {
       throw Error(ErrorCode::kBadInput,

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/features.h"
+#include "core/packed_features.h"
 #include "ingest/colmap/colmap_descriptors.h"
 #include "ingest/colmap/colmap_pose_priors.h"
 
@@ -42,7 +42,7 @@ class ColmapDatabase {
   // L2-normalized. The function returns 512 * s. RootSIFT normalization then gives sqrt(s), the
   // same as for SIFT from other sources. Descriptors with the normalization L2, which
   // SiftStatistics detects, are returned as stored.
-  FeatureSet ReadFeatures(const std::string& image_name);
+  PackedFeatures ReadFeatures(const std::string& image_name);
 
   // What ReadColmapPosePriors reads for the image.
   ColmapPosePrior ReadPosePrior(const std::string& image_name);
@@ -54,7 +54,7 @@ class ColmapDatabase {
   bool RollBack();
   void OpenAs(sqlite::Access access);
   SiftNormalization NormalizationOfAll();
-  DescriptorMatrix ReadDescriptors(const std::string& image_name);
+  PackedDescriptors ReadDescriptors(const std::string& image_name);
 
   std::string path_;
   std::unique_ptr<sqlite::Connection> connection_;

@@ -23,7 +23,7 @@ struct Pair {
 };
 
 Eigen::VectorXf DescriptorOf(const Reconstruction& reconstruction, const ReconObservation& seen) {
-  return reconstruction.images[seen.image_idx].features.descriptors.row(seen.keypoint_idx);
+  return reconstruction.images[seen.image_idx].features.descriptors.Row(seen.keypoint_idx);
 }
 
 std::vector<Pair> SamplePairs(const Reconstruction& reconstruction) {

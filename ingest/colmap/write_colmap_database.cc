@@ -185,7 +185,7 @@ void WriteColmapDatabase(const Reconstruction& reconstruction, const std::string
         .Bind(image_id, std::string_view(image.name),
               static_cast<int64_t>(kFirstColmapCameraId) + image.camera_idx)
         .Run();
-    WriteFeatures(image.features, image_id, options.keypoint_columns, &database);
+    WriteFeatures(image.features.Unpacked(), image_id, options.keypoint_columns, &database);
     if (options.gps == ColmapGpsTable::kPosePriorsWithGravity) {
       WritePosePrior(image, image_id, &database);
     } else if (image.gps) {

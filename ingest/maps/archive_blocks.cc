@@ -29,14 +29,14 @@ void RequireEnd(const ByteReader& reader, const std::string& what) {
   }
 }
 
-void PutDescriptors(const DescriptorMatrix& descriptors, ByteWriter* writer) {
-  const bool as_bytes = stored::AreBytes(descriptors);
+void PutDescriptors(const PackedDescriptors& descriptors, ByteWriter* writer) {
+  const bool as_bytes = descriptors.as_bytes() != nullptr;
   writer->Put(as_bytes ? kUint8 : kFloat32);
   stored::PutDescriptors(descriptors, as_bytes, writer);
 }
 
-DescriptorMatrix GetDescriptors(size_t num_rows, int dim, const std::string& what,
-                                ByteReader* reader) {
+PackedDescriptors GetDescriptors(size_t num_rows, int dim, const std::string& what,
+                                 ByteReader* reader) {
   const auto kind = reader->Get<uint8_t>();
   const size_t num_values = num_rows * static_cast<size_t>(dim);
   if (kind != kFloat32 && kind != kUint8) {

@@ -28,14 +28,15 @@ int64_t CountObservations(const TileShard& shard) {
   return count;
 }
 
-DescriptorMatrix GetDescriptors(size_t num_rows, uint32_t dim, uint32_t encoding,
-                                ByteReader* reader) {
+PackedDescriptors GetDescriptors(size_t num_rows, uint32_t dim, uint32_t encoding,
+                                 ByteReader* reader) {
   const size_t element_bytes = encoding == kFloatDescriptors ? sizeof(float) : 1;
   RequireInput(num_rows <= reader->remaining() / (dim * element_bytes),
                "ends before its descriptors");
-  DescriptorMatrix descriptors =
+  PackedDescriptors descriptors =
       stored::GetDescriptors(num_rows, dim, encoding == kByteDescriptors, reader);
-  RequireInput(descriptors.allFinite(), "a descriptor is not finite");
+  RequireInput(descriptors.as_bytes() != nullptr || descriptors.Unpacked().allFinite(),
+               "a descriptor is not finite");
   return descriptors;
 }
 
@@ -129,7 +130,7 @@ void GetLandmarks(size_t count, ByteReader* reader, TileShard* shard) {
 uint32_t EncodingOf(const TileShard& shard) {
   const bool are_bytes = std::all_of(
       shard.reconstruction.images.begin(), shard.reconstruction.images.end(),
-      [](const ReconImage& image) { return stored::AreBytes(image.features.descriptors); });
+      [](const ReconImage& image) { return image.features.descriptors.as_bytes() != nullptr; });
   return are_bytes ? kByteDescriptors : kFloatDescriptors;
 }
 

@@ -1,7 +1,5 @@
 #include "ingest/maps/stored_values.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -34,32 +32,31 @@ Camera GetCamera(ByteReader* reader) {
           reader->GetVector<double>(static_cast<size_t>(NumCameraParams(model)))};
 }
 
-bool AreBytes(const DescriptorMatrix& descriptors) {
-  return std::all_of(descriptors.data(), descriptors.data() + descriptors.size(), [](float value) {
-    return value >= 0.0f && value <= 255.0f && value == std::floor(value) && !std::signbit(value);
-  });
-}
-
-void PutDescriptors(const DescriptorMatrix& descriptors, bool as_bytes, ByteWriter* writer) {
-  const std::span<const float> values(descriptors.data(), descriptors.size());
-  if (!as_bytes) {
-    return writer->PutArray(values);
-  }
-  const std::vector<uint8_t> bytes(values.begin(), values.end());
-  writer->PutArray(std::span<const uint8_t>(bytes));
-}
-
-DescriptorMatrix GetDescriptors(size_t num_rows, size_t dim, bool as_bytes, ByteReader* reader) {
-  const size_t num_values = num_rows * dim;
-  const std::span<const uint8_t> bytes =
-      reader->Take(num_values * (as_bytes ? 1 : sizeof(float)));  // Before there is memory for it.
-  DescriptorMatrix descriptors(static_cast<Eigen::Index>(num_rows), static_cast<Eigen::Index>(dim));
+void PutDescriptors(const PackedDescriptors& descriptors, bool as_bytes, ByteWriter* writer) {
+  const auto put = [writer](const auto& values) {
+    writer->PutArray(std::span(values.data(), static_cast<size_t>(values.size())));
+  };
   if (as_bytes) {
-    std::ranges::copy(bytes, descriptors.data());
-  } else if (!bytes.empty()) {
-    std::memcpy(descriptors.data(), bytes.data(), bytes.size());
+    put(*descriptors.as_bytes());
+  } else {
+    put(descriptors.Unpacked());
   }
-  return descriptors;
+}
+
+PackedDescriptors GetDescriptors(size_t num_rows, size_t dim, bool as_bytes, ByteReader* reader) {
+  const size_t num_values = num_rows * dim;
+  const std::span<const uint8_t> stored =
+      reader->Take(num_values * (as_bytes ? 1 : sizeof(float)));  // Before there is memory for it.
+  const auto rows = static_cast<Eigen::Index>(num_rows), cols = static_cast<Eigen::Index>(dim);
+  if (as_bytes) {
+    return PackedDescriptors(
+        ByteDescriptorMatrix(Eigen::Map<const ByteDescriptorMatrix>(stored.data(), rows, cols)));
+  }
+  DescriptorMatrix values(rows, cols);
+  if (!stored.empty()) {
+    std::memcpy(values.data(), stored.data(), stored.size());
+  }
+  return values;
 }
 
 }  // namespace cairn::stored

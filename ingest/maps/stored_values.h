@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/camera.h"
-#include "core/features.h"
+#include "core/packed_features.h"
 #include "storage/tile/byte_io.h"
 
 namespace cairn::stored {
@@ -21,13 +21,11 @@ void PutCamera(const Camera& camera, ByteWriter* writer);
 // Throws what ByteReader and Camera throw.
 Camera GetCamera(ByteReader* reader);
 
-// True if each value is exactly a number of one byte; -0 is not. Those of COLMAP's SIFT are.
-bool AreBytes(const DescriptorMatrix& descriptors);
-
-// Row by row, a value in one byte (`as_bytes`; see AreBytes) or as a float.
-void PutDescriptors(const DescriptorMatrix& descriptors, bool as_bytes, ByteWriter* writer);
+// Row by row, a value in one byte (`as_bytes`; they must have PackedDescriptors::as_bytes) or as a
+// float.
+void PutDescriptors(const PackedDescriptors& descriptors, bool as_bytes, ByteWriter* writer);
 // There must be that many values left; ByteReader throws if not.
-DescriptorMatrix GetDescriptors(size_t num_rows, size_t dim, bool as_bytes, ByteReader* reader);
+PackedDescriptors GetDescriptors(size_t num_rows, size_t dim, bool as_bytes, ByteReader* reader);
 
 }  // namespace cairn::stored
 

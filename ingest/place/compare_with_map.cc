@@ -154,7 +154,7 @@ LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession&
   LocalizeQuery query;
   query.id = image.name;
   query.camera = reconstruction.cameras[static_cast<size_t>(image.camera_idx)];
-  query.features = image.features;
+  query.features = image.features.Unpacked();
   PositionPrior prior;
   prior.position = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
   prior.accuracy_m = accuracy_m;

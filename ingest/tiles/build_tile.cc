@@ -101,11 +101,10 @@ class TileBuilder {
     projected_.resize(num_rows, source_.codec->codebook().projected_dim());
     for (uint32_t k = 0; k < images_.size(); ++k) {
       const auto& observations = source_.session->observations_of_image[images_[k]];
-      const FeatureSet& features = source_.reconstruction->images[images_[k]].features;
-      DescriptorMatrix raw(observations.size(), features.descriptors.cols());
+      const PackedFeatures& features = source_.reconstruction->images[images_[k]].features;
+      const DescriptorMatrix raw = features.descriptors.Rows(KeypointsOf(observations)).Unpacked();
       const auto first_row = static_cast<Eigen::Index>(observations_.size());
       for (size_t i = 0; i < observations.size(); ++i) {
-        raw.row(i) = features.descriptors.row(observations[i].keypoint_idx);
         observations_.push_back({observations[i].landmark_idx, k,
                                  first_row + static_cast<Eigen::Index>(i),
                                  observations[i].keypoint_idx});

@@ -82,13 +82,12 @@ class LinkProposer {
     projected_.resize(num_observations, codec.codebook().projected_dim());
     for (const int image_idx : images) {
       const auto& observations = session_.observations_of_image[image_idx];
-      const FeatureSet& features = reconstruction_.images[image_idx].features;
+      const PackedFeatures& features = reconstruction_.images[image_idx].features;
       FeatureSet seen;
       seen.space = features.space;
-      seen.descriptors.resize(observations.size(), features.descriptors.cols());
+      seen.descriptors = features.descriptors.Rows(KeypointsOf(observations)).Unpacked();
       const auto first_row = static_cast<Eigen::Index>(observations_.size());
       for (size_t i = 0; i < observations.size(); ++i) {
-        seen.descriptors.row(i) = features.descriptors.row(observations[i].keypoint_idx);
         observations_.push_back({observations[i].landmark_idx, image_idx,
                                  observations[i].keypoint_idx,
                                  first_row + static_cast<Eigen::Index>(i)});

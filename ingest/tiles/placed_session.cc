@@ -116,6 +116,12 @@ void SortInSpace(std::vector<PlacedLandmark>* landmarks) {
 
 }  // namespace
 
+std::vector<int> KeypointsOf(std::span<const PlacedObservation> observations) {
+  std::vector<int> keypoints(observations.size());
+  std::ranges::transform(observations, keypoints.begin(), &PlacedObservation::keypoint_idx);
+  return keypoints;
+}
+
 PlacedSession PlaceSession(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                            const PlacementOptions& options) {
   ValidateSimilarity(ecef_from_world);

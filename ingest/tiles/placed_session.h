@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "core/rigid3.h"
@@ -33,6 +34,9 @@ struct PlacedObservation {
   uint32_t landmark_idx = 0;  // In PlacedSession::landmarks.
   int keypoint_idx = 0;
 };
+
+// The keypoint of each observation.
+std::vector<int> KeypointsOf(std::span<const PlacedObservation> observations);
 
 struct PlacedSession {
   std::vector<Rigid3d> cam_from_ecef;     // Per image.

@@ -24,12 +24,10 @@ std::vector<uint32_t> LandmarksSeen(const PlacedSession& session, const std::vec
 ReconImage CutImage(const ReconImage& image, const std::vector<PlacedObservation>& observations) {
   ReconImage cut;
   cut.name = image.name;
-  cut.features.descriptors.resize(std::ssize(observations), image.features.descriptors.cols());
-  for (size_t i = 0; i < observations.size(); ++i) {
-    const int keypoint_idx = observations[i].keypoint_idx;
-    cut.features.keypoints.push_back(image.features.keypoints[keypoint_idx]);
-    cut.features.descriptors.row(i) = image.features.descriptors.row(keypoint_idx);
+  for (const PlacedObservation& observation : observations) {
+    cut.features.keypoints.push_back(image.features.keypoints[observation.keypoint_idx]);
   }
+  cut.features.descriptors = image.features.descriptors.Rows(KeypointsOf(observations));
   return cut;
 }
 

@@ -106,7 +106,7 @@ class WorldBuilder {
     sample.landmarks.resize(kTrainingLandmarks);
     const uint64_t first_number = NumberAfterMap();
     for (int image = 0; image < kTrainingObservations; ++image) {
-      FeatureSet& features = sample.images[image].features;
+      FeatureSet features;
       sample.images[image].name = fmt::format("{}", image);
       features.keypoints.resize(kTrainingLandmarks);
       features.descriptors.resize(kTrainingLandmarks, DescriptorModel::kDim);
@@ -115,6 +115,7 @@ class WorldBuilder {
         sample.landmarks[i].x_in_world = Eigen::Vector3d::Zero();
         sample.landmarks[i].observations.push_back({image, i});
       }
+      sample.images[image].features = std::move(features);
     }
     CodebookOptions codebook_options;
     codebook_options.seed = options_.seed;

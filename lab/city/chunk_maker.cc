@@ -241,7 +241,7 @@ class SimulatedMapping::ChunkMaker {
   void FillImages() {
     ParallelFor(static_cast<int>(images_.size()), num_threads_, [&](int i) {
       Image& image = images_[static_cast<size_t>(i)];
-      FeatureSet& features = chunk_.reconstruction.images[static_cast<size_t>(i)].features;
+      FeatureSet features;
       const auto num_seen = static_cast<int>(image.observations.size());
       const int num_clutter = static_cast<int>(std::lround(options_.clutter_ratio * num_seen));
       features.keypoints.resize(static_cast<size_t>(num_seen));
@@ -252,6 +252,7 @@ class SimulatedMapping::ChunkMaker {
       }
       AppendClutter(camera_, options_.detector, mapping_.model_, HashOf(image.id, kClutterStream),
                     num_clutter, &features);
+      chunk_.reconstruction.images[static_cast<size_t>(i)].features = std::move(features);
       image.observations = {};
     });
   }

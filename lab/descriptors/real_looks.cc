@@ -23,7 +23,7 @@ RealLooks LooksAtReconstruction(const Reconstruction& reconstruction,
     images.push_back({.camera = &reconstruction.cameras[image.camera_idx],
                       .cam_from_world = image.cam_from_world,
                       .center_in_world = image.cam_from_world.Inverse().translation,
-                      .features = image.features});
+                      .features = image.features.Unpacked()});
     down += image.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitY();
   }
   LookCollector collector(images, options);

@@ -119,7 +119,7 @@ void Draft::Add(int photo, const Rigid3d& cam_from_world) {
   image.camera_idx = source.camera_idx;
   image.cam_from_world = cam_from_world;
   image.features.keypoints = source.keypoints;
-  image.features.descriptors.resize(source.keypoints.size(), 0);
+  image.features.descriptors = PackedDescriptors(ByteDescriptorMatrix(source.keypoints.size(), 0));
   image.gps = source.gps;
   image.gps_accuracy_m = source.gps_accuracy_m;
   image_of_photo_[photo] = num_photos();

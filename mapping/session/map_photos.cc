@@ -353,9 +353,8 @@ void Mapper::FillImages() {
     }
   }
   for (size_t i = 0; i < result_.model.images.size(); ++i) {
-    MappingPhoto& photo = folder_.set.photos[photo_of_image_[i]];
-    result_.model.images[i].features.descriptors = photo.descriptors.cast<float>();
-    photo.descriptors.resize(0, photo.descriptors.cols());
+    ByteDescriptorMatrix& descriptors = folder_.set.photos[photo_of_image_[i]].descriptors;
+    result_.model.images[i].features.descriptors = PackedDescriptors(std::move(descriptors));
   }
   result_.num_mapped = static_cast<int>(result_.model.images.size());
   result_.model.Validate();

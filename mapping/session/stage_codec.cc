@@ -105,7 +105,7 @@ ReconImage ImageOf(const MappingPhoto& photo) {
   ReconImage image;
   image.name = photo.name;
   image.features.keypoints = photo.keypoints;
-  image.features.descriptors.resize(static_cast<Eigen::Index>(photo.keypoints.size()), 0);
+  image.features.descriptors = PackedDescriptors(ByteDescriptorMatrix(photo.keypoints.size(), 0));
   image.gps = photo.gps;
   image.gps_accuracy_m = photo.gps_accuracy_m;
   return image;

@@ -118,7 +118,7 @@ TEST_F(OptionsFile, ServeTakesLimitsFromTheFile) {
   LocalizeClient client(ClientOptions{.url = server.ReadLine()});
   LocalizeQuery query;
   query.camera = street_.cameras[0];
-  query.features = street_.images[0].features;
+  query.features = street_.images[0].features.Unpacked();
   ASSERT_GT(query.features.size(), 3);
   try {
     client.LocalizeFeatures(query);

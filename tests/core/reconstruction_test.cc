@@ -65,14 +65,16 @@ TEST(Reconstruction, RefusesNumbersThatAreNotFinite) {
   bad.images[1].cam_from_world.translation.x() = nan;
   EXPECT_THROW(bad.Validate(), Error);
   bad = good;
-  bad.images[1].features.descriptors(0, 0) = static_cast<float>(nan);
+  DescriptorMatrix descriptors = bad.images[1].features.descriptors.Unpacked();
+  descriptors(0, 0) = static_cast<float>(nan);
+  bad.images[1].features.descriptors = descriptors;
   EXPECT_THROW(bad.Validate(), Error);
 }
 
 TEST(Reconstruction, RefusesMixedDescriptorDimensions) {
   Reconstruction bad = testing::StreetWorld().Reconstruct();
-  FeatureSet& features = bad.images[4].features;
-  features.descriptors = DescriptorMatrix::Zero(features.size(), 64);
+  PackedFeatures& features = bad.images[4].features;
+  features.descriptors = DescriptorMatrix(DescriptorMatrix::Zero(features.size(), 64));
   EXPECT_THROW(bad.Validate(), Error);
 }
 

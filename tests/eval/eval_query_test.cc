@@ -141,7 +141,7 @@ TEST(QueriesFromReconstruction, CarriesFeaturesPathsAndPoses) {
   image.name = "a.jpg";
   image.cam_from_world = Rigid3d(ExpSo3(Eigen::Vector3d(0.1, 0.2, 0.3)), Eigen::Vector3d(1, 2, 3));
   image.features.keypoints.resize(2);
-  image.features.descriptors.setZero(2, 128);
+  image.features.descriptors = DescriptorMatrix(DescriptorMatrix::Zero(2, 128));
   reconstruction.images = {image};
   Sim3d ecef_from_world;
   ecef_from_world.scale = 2.0;

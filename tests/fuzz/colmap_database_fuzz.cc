@@ -67,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   database.Put("keypoints", static_cast<int8_t>(data[0]), data[1], rest.first(end));
   database.Put("descriptors", static_cast<int8_t>(data[2]), data[3], rest.subspan(end));
   try {
-    const FeatureSet features = ColmapDatabase(database.path()).ReadFeatures("a");
+    const PackedFeatures features = ColmapDatabase(database.path()).ReadFeatures("a");
     CAIRN_CHECK(features.descriptors.rows() == static_cast<int64_t>(features.keypoints.size()),
                 "keypoints without descriptors");
   } catch (const Error& error) {

@@ -83,10 +83,16 @@ ArchivedSession Decoded(const std::string& bytes) {
   return DecodeSession(&stream, "a file");
 }
 
+void SetFirstValue(float value, ReconImage* image) {
+  DescriptorMatrix descriptors = image->features.descriptors.Unpacked();
+  descriptors(0, 0) = value;
+  image->features.descriptors = descriptors;
+}
+
 TEST(ArchiveCodec, KeepsASessionToTheBit) {
   Reconstruction reconstruction = SmallReconstruction();
-  reconstruction.images[1].features.descriptors(0, 0) = -0.0f;  // Not a byte, though equal to one.
-  reconstruction.images[2].features.descriptors(0, 0) = 1.5f;
+  SetFirstValue(-0.0f, &reconstruction.images[1]);  // Not a byte, though equal to one.
+  SetFirstValue(1.5f, &reconstruction.images[2]);
   const ArchiveManifest manifest = ManifestOf("monday", '1', {{"sunday", std::string(48, '2')}});
   const std::string bytes = Encoded(manifest, reconstruction);
   const ArchivedSession session = Decoded(bytes);
@@ -107,7 +113,7 @@ TEST(ArchiveCodec, DescriptorsOfBytesTakeABytePerDimension) {
   const Reconstruction reconstruction = SmallReconstruction();
   int64_t num_values = 0;
   for (const ReconImage& image : reconstruction.images) {
-    num_values += image.features.descriptors.size();
+    num_values += image.features.descriptors.rows() * image.features.descriptors.cols();
   }
   EXPECT_LT(std::ssize(Encoded(ManifestOf("monday"), reconstruction)), num_values);
 }

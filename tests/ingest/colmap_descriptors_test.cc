@@ -52,10 +52,10 @@ TEST_F(ColmapDescriptors, OfAnotherExtractorAreRefusedByItsName) {
 TEST_F(ColmapDescriptors, OfTypeSiftAreReadAsWithoutTheColumn) {
   const Reconstruction written = StreetReconstruction();
   const ColmapInput input = Write(written);
-  const DescriptorMatrix before = ReadColmap(input).images[0].features.descriptors;
+  const DescriptorMatrix before = ReadColmap(input).images[0].features.descriptors.Unpacked();
   sqlite::Connection(input.database_path, sqlite::Access::kReadWrite, 100)
       .Execute("ALTER TABLE descriptors ADD COLUMN type INTEGER NOT NULL DEFAULT 0");
-  EXPECT_EQ(ReadColmap(input).images[0].features.descriptors, before);
+  EXPECT_EQ(ReadColmap(input).images[0].features.descriptors.Unpacked(), before);
 }
 
 // ALIKED's 128 floats a keypoint, as COLMAP 4 stores them (512 columns of bytes) and as scripts do
@@ -86,15 +86,15 @@ TEST_F(ColmapDescriptors, WithL2NormalizationAreToldByTheirStatistics) {
     for (size_t i = 0; i < written.images.size(); ++i) {
       // The builder's descriptors are whole numbers of length 512: what COLMAP stores with
       // --SiftExtraction.normalization L2.
-      const DescriptorMatrix& descriptors = written.images[i].features.descriptors;
+      const DescriptorMatrix descriptors = written.images[i].features.descriptors.Unpacked();
       std::vector<uint8_t> bytes(descriptors.data(), descriptors.data() + descriptors.size());
       database.Prepare("UPDATE descriptors SET data = ? WHERE image_id = ?")
           .Bind(std::span<const uint8_t>(bytes), static_cast<int64_t>(kFirstColmapImageId + i))
           .Run();
     }
   }
-  EXPECT_EQ(ReadColmap(input).images[3].features.descriptors,
-            written.images[3].features.descriptors);
+  EXPECT_EQ(ReadColmap(input).images[3].features.descriptors.Unpacked(),
+            written.images[3].features.descriptors.Unpacked());
 }
 
 // The same photos' descriptors by COLMAP, and as COLMAP would have stored them with the

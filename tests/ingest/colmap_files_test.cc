@@ -284,7 +284,7 @@ TEST_F(ColmapFiles, AnImageWithoutKeypointsHasThoseOfTheDatabase) {
   const ColmapInput input = Write(street);
   Reconstruction emptied = street;
   emptied.images[0].features.keypoints.clear();
-  emptied.images[0].features.descriptors.resize(0, Eigen::NoChange);
+  emptied.images[0].features.descriptors = {};
   for (ReconLandmark& landmark : emptied.landmarks) {
     std::erase_if(landmark.observations, [](const auto& seen) { return seen.image_idx == 0; });
   }

@@ -35,7 +35,7 @@ Reconstruction TinyModel() {
   model.landmarks.resize(2);
   for (ReconImage& image : model.images) {
     image.features.keypoints.resize(2);
-    image.features.descriptors.conservativeResize(2, Eigen::NoChange);
+    image.features.descriptors = image.features.descriptors.Rows(std::vector<int>{0, 1});
   }
   for (int i = 0; i < 2; ++i) {
     model.landmarks[i].observations = {{0, i}, {1, i}};
@@ -89,8 +89,8 @@ TEST_F(ColmapReader, ReadsTextModels) {
 
 TEST_F(ColmapReader, UndoesTheSquareRootOfColmapsDescriptors) {
   const Reconstruction written = StreetReconstruction();
-  DescriptorMatrix read = ReadColmap(Write(written)).images[0].features.descriptors;
-  DescriptorMatrix expected = written.images[0].features.descriptors;
+  DescriptorMatrix read = ReadColmap(Write(written)).images[0].features.descriptors.Unpacked();
+  DescriptorMatrix expected = written.images[0].features.descriptors.Unpacked();
   NormalizeDescriptors(DescriptorNormalization::kRootSift, &read);
   NormalizeDescriptors(DescriptorNormalization::kRootSift, &expected);
   EXPECT_LT((read - expected).cwiseAbs().maxCoeff(), 1.0f / 512.0f);

@@ -129,7 +129,7 @@ TEST(RealData, ExtractedSiftAgreesWithColmap) {
   CAIRN_SKIP_WITHOUT_DATA("kitti_vo_2x51");
   ColmapInput input = KittiInput();
   input.image_names = {"000010.png", "000012.png"};
-  FeatureSet colmap = ReadColmap(input).images[0].features;
+  FeatureSet colmap = ReadColmap(input).images[0].features.Unpacked();
   FeatureSet ours = ExtractSift(ReadGrayImage((testing::TestDataDir() / "kitti_vo_2x51" /
                                                "KITTI_sequence_1" / "image_l" / "000010.png")
                                                   .string()),

@@ -52,8 +52,8 @@ struct ExactStreet {
         keypoint.scale_px = Rounded(keypoint.scale_px, 6);
         keypoint.orientation_rad = Rounded(keypoint.orientation_rad, 10);
       }
-      image.features.descriptors =
-          image.features.descriptors.unaryExpr([](float value) { return Rounded(value, 10); });
+      image.features.descriptors = DescriptorMatrix(image.features.descriptors.Unpacked().unaryExpr(
+          [](float value) { return Rounded(value, 10); }));
     }
     for (ReconLandmark& landmark : reconstruction.landmarks) {
       landmark.x_in_world = Rounded(landmark.x_in_world, 20);

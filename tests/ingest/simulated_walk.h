@@ -194,7 +194,7 @@ inline Walk MakeWalk(const WalkOptions& options) {
       image.down_in_cam = cam_from_enu.rotation * -Eigen::Vector3d::UnitZ();
     }
     image.features.keypoints.resize(1);
-    image.features.descriptors = DescriptorMatrix::Zero(1, 128);
+    image.features.descriptors = DescriptorMatrix(DescriptorMatrix::Zero(1, 128));
     walk.reconstruction.images.push_back(std::move(image));
     const double sigma_m = options.gps_sigma_m;
     const Eigen::Vector3d error(sigma_m * normal(rng), sigma_m * normal(rng),

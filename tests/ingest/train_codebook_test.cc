@@ -26,8 +26,7 @@ const Codebook& StreetCodebook() {
 
 // All normalized descriptors of the street's images.
 DescriptorMatrix NormalizedDescriptors() {
-  const FeatureSet& features = TrainingStreet().images[3].features;
-  DescriptorMatrix descriptors = features.descriptors;
+  DescriptorMatrix descriptors = TrainingStreet().images[3].features.descriptors.Unpacked();
   NormalizeDescriptors(DescriptorNormalization::kRootSift, &descriptors);
   return descriptors;
 }
@@ -73,7 +72,7 @@ double SameOverOther(const Codebook& codebook) {
     DescriptorMatrix raw(2, 128);
     for (int i = 0; i < 2; ++i) {
       const ReconObservation& observation = landmark.observations[i];
-      raw.row(i) = TrainingStreet().images[observation.image_idx].features.descriptors.row(
+      raw.row(i) = TrainingStreet().images[observation.image_idx].features.descriptors.Row(
           observation.keypoint_idx);
     }
     const DescriptorMatrix projected = codec.Project(raw);
@@ -96,7 +95,8 @@ TEST(TrainCodebook, TheLikelihoodRatioTellsLandmarksApartAtLeastAsWell) {
 
 TEST(TrainCodebook, BalancesTheVarianceOfSubspaces) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(StreetCodebook()));
-  const DescriptorMatrix projected = codec.Project(TrainingStreet().images[3].features.descriptors);
+  const DescriptorMatrix projected =
+      codec.Project(TrainingStreet().images[3].features.descriptors.Unpacked());
   const Eigen::RowVectorXf mean = projected.colwise().mean();
   std::vector<double> products;
   for (int s = 0; s < 8; ++s) {
@@ -109,7 +109,8 @@ TEST(TrainCodebook, BalancesTheVarianceOfSubspaces) {
 
 TEST(TrainCodebook, QuantizesWithLittleLoss) {
   const DescriptorCodec codec(std::make_shared<const Codebook>(StreetCodebook()));
-  const DescriptorMatrix projected = codec.Project(TrainingStreet().images[3].features.descriptors);
+  const DescriptorMatrix projected =
+      codec.Project(TrainingStreet().images[3].features.descriptors.Unpacked());
   const DescriptorMatrix decoded =
       codec.Decode(codec.Encode(projected).data(), static_cast<int>(projected.rows()));
   EXPECT_LT((projected - decoded).squaredNorm(), 0.1f * projected.squaredNorm());

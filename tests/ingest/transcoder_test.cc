@@ -29,7 +29,7 @@ TEST(Transcoder, ToTheSameCodebookChangesNothing) {
   const auto codebook = CodebookOf(street);
   const DescriptorCodec codec(codebook);
   const std::vector<uint8_t> codes =
-      codec.Encode(codec.Project(street.images[0].features.descriptors));
+      codec.Encode(codec.Project(street.images[0].features.descriptors.Unpacked()));
   EXPECT_EQ(Transcoder(codebook, codebook).Transcode(codes), codes);
 }
 
@@ -41,7 +41,7 @@ TEST(Transcoder, KeepsWhatBothProjectionsHold) {
   options.seed = 9;
   const auto to = std::make_shared<const Codebook>(TrainCodebook(street, options));
   const DescriptorCodec from_codec(from), to_codec(to);
-  const DescriptorMatrix& raw = street.images[0].features.descriptors;
+  const DescriptorMatrix raw = street.images[0].features.descriptors.Unpacked();
   const std::vector<uint8_t> codes =
       Transcoder(from, to).Transcode(from_codec.Encode(from_codec.Project(raw)));
   ASSERT_EQ(codes.size(), static_cast<size_t>(4 * raw.rows()));

@@ -68,7 +68,7 @@ void ExpectEqual(const MappedChunk& a, const MappedChunk& b) {
   for (size_t i = 0; i < a.reconstruction.images.size(); ++i) {
     const ReconImage &x = a.reconstruction.images[i], &y = b.reconstruction.images[i];
     EXPECT_EQ(x.name, y.name);
-    EXPECT_EQ(x.features.descriptors, y.features.descriptors);
+    EXPECT_EQ(x.features.descriptors.Unpacked(), y.features.descriptors.Unpacked());
     EXPECT_EQ(x.cam_from_world.translation, y.cam_from_world.translation);
   }
   for (size_t i = 0; i < a.reconstruction.landmarks.size(); ++i) {

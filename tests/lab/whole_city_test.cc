@@ -58,7 +58,7 @@ TEST_F(QuickCity, ColmapsReaderReadsItBack) {
   ASSERT_NE(same, whole.images.end());
   ASSERT_TRUE(image.gps);
   EXPECT_NEAR(image.gps->lat_deg(), same->gps->lat_deg(), 1e-9);
-  const FeatureSet &a = image.features, &b = same->features;
+  const FeatureSet a = image.features.Unpacked(), b = same->features.Unpacked();
   ASSERT_EQ(a.size(), b.size());
   for (int i = 0; i < a.size(); ++i) {
     const auto k = static_cast<size_t>(i);

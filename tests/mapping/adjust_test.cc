@@ -66,7 +66,7 @@ Scene MakeScene(double pixel_sigma_px, const Camera& camera, int num_images = 10
     model.landmarks.push_back(landmark);
   }
   for (ReconImage& image : model.images) {
-    image.features.descriptors.resize(image.features.size(), 0);
+    image.features.descriptors = PackedDescriptors(ByteDescriptorMatrix(image.features.size(), 0));
   }
   return scene;
 }

@@ -31,9 +31,9 @@ inline StreetSegment MakeStreetSegment(double position_sigma_m) {
     MappingPhoto photo;
     photo.name = image.name;
     photo.keypoints = image.features.keypoints;
-    photo.descriptors = image.features.descriptors.cast<uint8_t>();
+    photo.descriptors = image.features.descriptors.Unpacked().cast<uint8_t>();
     street.set.photos.push_back(photo);
-    image.features.descriptors.resize(image.features.size(), 0);
+    image.features.descriptors = PackedDescriptors(ByteDescriptorMatrix(image.features.size(), 0));
     street.segment.photo_of_image.push_back(static_cast<int>(i));
     const Eigen::Vector3d x_in_ecef =
         EcefFromGeodetic(*image.gps) + Eigen::Vector3d(noise(rng), noise(rng), noise(rng));

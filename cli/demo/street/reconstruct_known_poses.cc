@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -144,10 +145,12 @@ Reconstruction ReconstructWithKnownPoses(const Camera& camera,
   Reconstruction reconstruction;
   reconstruction.cameras = {camera};
   reconstruction.images = ExtractImages(photos, options, progress);
+  std::deque<FeatureSet> features;  // `posed` points to them.
   std::vector<PosedFeatures> posed;
   std::vector<int> num_keypoints;
   for (const ReconImage& image : reconstruction.images) {
-    posed.push_back(MakePosedFeatures(camera, image.features, image.cam_from_world));
+    features.push_back(image.features.Unpacked());
+    posed.push_back(MakePosedFeatures(camera, features.back(), image.cam_from_world));
     num_keypoints.push_back(image.features.size());
   }
   const auto tracks = BuildTracks(MatchNeighbors(posed, options, progress), num_keypoints,

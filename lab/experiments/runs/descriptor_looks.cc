@@ -2,6 +2,7 @@
 
 #include <random>
 #include <string>
+#include <utility>
 
 #include "core/scene/reconstruction.h"
 #include "lab/descriptors/descriptor_model.h"
@@ -74,7 +75,7 @@ Codebook DescriptorLooks::Train(const CodebookOptions& options) const {
   sample.images.resize(kTrainingLooks);
   sample.landmarks.resize(kTrainingLandmarks);
   for (int image = 0; image < kTrainingLooks; ++image) {
-    FeatureSet& features = sample.images[image].features;
+    FeatureSet features;
     sample.images[image].name = std::to_string(image);
     features.keypoints.resize(kTrainingLandmarks);
     features.descriptors.resize(kTrainingLandmarks, DescriptorModel::kDim);
@@ -83,6 +84,7 @@ Codebook DescriptorLooks::Train(const CodebookOptions& options) const {
       sample.landmarks[i].x_in_world = Eigen::Vector3d::Zero();
       sample.landmarks[i].observations.push_back({image, i});
     }
+    sample.images[image].features = std::move(features);
   }
   return TrainCodebook(sample, options);
 }
