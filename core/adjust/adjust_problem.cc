@@ -23,10 +23,19 @@ namespace {
 // images see the same, and large if the images are a chain.
 constexpr double kMaxNeighborsToFactor = 400.0;
 
-// The root mean square, over the images that move, of the number of others that move and with which
-// they share landmarks that decide.
-double NeighborsOfImages(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
-                         const AdjustPriors& priors) {
+// A system of which more than this is filled is factored as a dense one. To order a sparse one,
+// Ceres holds, for each observation, all images that see its landmark: 0.8 GB for 300 photos of one
+// wall. docs/decisions/0073-photos-of-one-place-have-a-dense-system.md has the figures.
+constexpr double kMaxFilledIfSparse = 0.5;
+
+struct MovingImages {
+  double count = 0.0;
+  // The root mean square of the number of others with which one shares landmarks that decide.
+  double num_neighbors = 0.0;
+};
+
+MovingImages CountMovingImages(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
+                               const AdjustPriors& priors) {
   const auto moves = [&](const ReconObservation& seen) {
     return !priors.HoldsImage(seen.image_idx);
   };
@@ -52,7 +61,15 @@ double NeighborsOfImages(const Reconstruction& model, const std::vector<Landmark
     sum_sq += count * count;
     num_moving += landmarks_of_image[image].empty() ? 0.0 : 1.0;
   }
-  return std::sqrt(sum_sq / std::max(1.0, num_moving));
+  return {num_moving, std::sqrt(sum_sq / std::max(1.0, num_moving))};
+}
+
+ceres::LinearSolverType SolverFor(const MovingImages& images) {
+  if (images.num_neighbors > kMaxNeighborsToFactor) {
+    return ceres::ITERATIVE_SCHUR;
+  }
+  return images.num_neighbors > kMaxFilledIfSparse * images.count ? ceres::DENSE_SCHUR
+                                                                  : ceres::SPARSE_SCHUR;
 }
 
 }  // namespace
@@ -243,9 +260,8 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
   options.num_threads = 1;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.linear_solver_type = NeighborsOfImages(model_, roles_, priors_) > kMaxNeighborsToFactor
-                                   ? ceres::ITERATIVE_SCHUR
-                                   : ceres::SPARSE_SCHUR;
+  options.dense_linear_algebra_library_type = ceres::EIGEN;
+  options.linear_solver_type = SolverFor(CountMovingImages(model_, roles_, priors_));
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;

@@ -35,7 +35,7 @@ std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
 }
 
 std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& g) {
-  return DigestOf(fmt::format("{} growth 8 {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
+  return DigestOf(fmt::format("{} growth 9 {} {} {} {} {} {} {} {} {}", views_key, g.min_inliers,
                               g.min_link_share, g.min_witnesses, g.max_rotation_error_rad,
                               g.max_direction_error_rad, g.default_gps_accuracy_m,
                               g.adjust_after_growth, g.min_photos, g.seed));
