@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "mapping/photos/group_cameras.h"
 #include "mapping/photos/photo_files.h"
 #include "mapping/photos/read_photo.h"
+#include "mapping/photos/require_memory.h"
 #include "storage/tile/content_digest.h"
 
 namespace cairn {
@@ -90,12 +92,17 @@ std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
                                 const ReadPhotosOptions& options, const PhotosProgress& progress) {
   std::vector<FileResult> results(files.size());
   std::mutex mutex;
-  int num_done = 0;
-  ParallelFor(static_cast<int>(files.size()), options.num_threads, [&](int i) {
+  ReadShare share = {.num_photos = static_cast<int>(files.size())};
+  ParallelFor(share.num_photos, options.num_threads, [&](int i) {
     results[i] = ReadOne(files[i], options);
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++share.num_read;
+    share.num_keypoints += results[i].photo ? std::ssize(results[i].photo->keypoints) : 0;
+    if (options.available_bytes) {
+      RequireMemory(share, *options.available_bytes);
+    }
     if (progress) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      progress(++num_done, static_cast<int>(files.size()));
+      progress(share.num_read, share.num_photos);
     }
   });
   return results;

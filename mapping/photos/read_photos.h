@@ -20,7 +20,8 @@ struct ReadPhotosOptions {
   SiftOptions sift = {};
   // Keeps features, so that a second run need not extract them; null: none. Not owned.
   const WorkFolder* work = nullptr;
-  int num_threads = 1;  // The result does not depend on it.
+  int num_threads = 1;                           // The result does not depend on it.
+  std::optional<uint64_t> available_bytes = {};  // Of memory, for all stages of mapping.
 };
 
 struct LeftOutPhoto {
@@ -43,7 +44,8 @@ using PhotosProgress = std::function<void(int done, int total)>;
 
 // Photos that cannot be read or that are there twice are left out, each with a reason. `progress`
 // is called by one thread at a time. Throws as FindPhotoFiles; Error(kBadInput), with reasons, if
-// no photo can be read; Error(kIo) if the work folder cannot be written.
+// no photo can be read; Error(kIo) if the work folder cannot be written; Error(kUnavailable) if
+// mapping the photos would take more memory than there is.
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
                        const PhotosProgress& progress = {});
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "core/available_memory.h"
 #include "core/error.h"
 #include "mapping/growth/grown_focals.h"
 #include "mapping/matching/calibrate_guesses.h"
@@ -102,7 +103,8 @@ void Mapper::Read() {
                        {.cameras = input_.cameras,
                         .sift = options_.sift,
                         .work = work_.get(),
-                        .num_threads = input_.num_threads},
+                        .num_threads = input_.num_threads,
+                        .available_bytes = AvailableMemoryBytes()},
                        Reporter("photos"));
   const int num_read = static_cast<int>(folder_.set.photos.size());
   result_.num_photos = num_read + static_cast<int>(folder_.left_out.size());
@@ -252,8 +254,9 @@ void Mapper::Place(const Growth& growth) {
   result_.position_of_photo.resize(folder_.set.photos.size());
   result_.center_of_photo.resize(folder_.set.photos.size());
   std::exception_ptr first_problem;
+  const auto num_segments = std::ssize(growth.segments);
   for (size_t i = 0; i < growth.segments.size(); ++i) {
-    Report("placement", static_cast<int64_t>(i), static_cast<int64_t>(growth.segments.size()));
+    Report("placement", static_cast<int64_t>(i), num_segments);
     try {
       PlaceOne(growth.segments[i]);
     } catch (const Error& error) {
@@ -269,8 +272,7 @@ void Mapper::Place(const Growth& growth) {
   if (result_.model.images.empty()) {
     std::rethrow_exception(first_problem);
   }
-  Report("placement", static_cast<int64_t>(growth.segments.size()),
-         static_cast<int64_t>(growth.segments.size()));
+  Report("placement", num_segments, num_segments);
   ReportLeftOut(growth);
   ReportCameras();
   FillImages();
@@ -289,11 +291,9 @@ void Mapper::PlaceOne(const Segment& segment) {
   }
   Add(placed);
   std::ranges::move(NotesOnOutliers(placed.georegistration), std::back_inserter(result_.notes));
-  SegmentReport report;
-  report.num_photos = static_cast<int>(segment.photo_of_image.size());
-  report.georegistration = placed.georegistration;
-  report.adjustment = placed.adjustment;
-  result_.segments.push_back(std::move(report));
+  result_.segments.push_back({.num_photos = static_cast<int>(segment.photo_of_image.size()),
+                              .georegistration = placed.georegistration,
+                              .adjustment = placed.adjustment});
 }
 
 // `problem` is of the segment, `reason` completes a sentence about each of its photos.

@@ -64,9 +64,9 @@ struct StageCost {
 // A segment of the photos and what became of it.
 struct SegmentReport {
   int num_photos = 0;
-  std::string problem;  // Why it is not in the model; empty if it is.
-  Georegistration georegistration;
-  AdjustReport adjustment;
+  std::string problem = {};  // Why it is not in the model; empty if it is.
+  Georegistration georegistration = {};
+  AdjustReport adjustment = {};
 };
 
 // What was found out about a camera of the set.

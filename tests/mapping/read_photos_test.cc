@@ -118,6 +118,22 @@ TEST(ReadPhotos, IsTheSameOnAnyNumberOfThreads) {
   }
 }
 
+TEST(ReadPhotos, RefusesMorePhotosThanTheMemoryTakes) {
+  const testing::TempDir dir;
+  for (int i = 0; i < 120; ++i) {
+    Write(dir.path() / (std::to_string(i) + ".pgm"), Picture(i % 3 + 1));
+  }
+  try {
+    ReadPhotos({dir.path()}, {.available_bytes = 1'000'000});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnavailable);
+    EXPECT_NE(std::string(error.what()).find("mapping 120 photos"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_NO_THROW(ReadPhotos({dir.path()}, {.available_bytes = 1'000'000'000}));
+}
+
 TEST(ReadPhotos, RefusesAFolderWithoutAPhotoThatItCanRead) {
   const testing::TempDir dir;
   Write(dir.path() / "a.jpg", "not a photo");
