@@ -23,32 +23,40 @@ namespace {
 // images see the same, and large if the images are a chain.
 constexpr double kMaxNeighborsToFactor = 400.0;
 
-// A system of which more than this is filled is factored as a dense one. To order a sparse one,
-// Ceres holds, for each observation, all images that see its landmark: 0.8 GB for 300 photos of one
-// wall. docs/decisions/0073-photos-of-one-place-have-a-dense-system.md has the figures.
+// A system of which more than this is filled is factored as a dense one.
 constexpr double kMaxFilledIfSparse = 0.5;
 
-struct MovingImages {
-  double count = 0.0;
-  // The root mean square of the number of others with which one shares landmarks that decide.
-  double num_neighbors = 0.0;
+// To order a sparse system, Ceres holds, for each observation, all images that see its landmark, in
+// some 30 bytes each: 0.8 GB for 300 photos of one wall. Beyond this many, the system is solved by
+// iterations. docs/decisions/0073-photos-of-one-place-have-a-dense-system.md has the figures.
+constexpr double kMaxPairsToOrder = 1e7;
+
+// The images that move, and the landmarks that decide.
+struct PoseSystem {
+  double num_images = 0.0;
+  double num_neighbors = 0.0;  // With which an image shares landmarks; root mean square.
+  double num_pairs = 0.0;      // Of an observation and an image that sees its landmark.
 };
 
-MovingImages CountMovingImages(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
-                               const AdjustPriors& priors) {
+PoseSystem MeasureSystem(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
+                         const AdjustPriors& priors) {
   const auto moves = [&](const ReconObservation& seen) {
     return !priors.HoldsImage(seen.image_idx);
   };
+  PoseSystem system;
   std::vector<std::vector<int>> landmarks_of_image(model.images.size());
   for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    double num_moving = 0.0;
     for (const ReconObservation& seen : model.landmarks[i].observations) {
       if (roles[i] == LandmarkRole::kDecides && moves(seen)) {
         landmarks_of_image[seen.image_idx].push_back(static_cast<int>(i));
+        num_moving += 1.0;
       }
     }
+    system.num_pairs += num_moving * num_moving;
   }
   std::vector<int> last_met(model.images.size(), -1);
-  double sum_sq = 0.0, num_moving = 0.0;
+  double sum_sq = 0.0;
   for (int image = 0; image < static_cast<int>(model.images.size()); ++image) {
     double count = 0.0;
     last_met[image] = image;
@@ -59,17 +67,20 @@ MovingImages CountMovingImages(const Reconstruction& model, const std::vector<La
       }
     }
     sum_sq += count * count;
-    num_moving += landmarks_of_image[image].empty() ? 0.0 : 1.0;
+    system.num_images += landmarks_of_image[image].empty() ? 0.0 : 1.0;
   }
-  return {num_moving, std::sqrt(sum_sq / std::max(1.0, num_moving))};
+  system.num_neighbors = std::sqrt(sum_sq / std::max(1.0, system.num_images));
+  return system;
 }
 
-ceres::LinearSolverType SolverFor(const MovingImages& images) {
-  if (images.num_neighbors > kMaxNeighborsToFactor) {
+ceres::LinearSolverType SolverFor(const PoseSystem& system) {
+  if (system.num_neighbors > kMaxNeighborsToFactor) {
     return ceres::ITERATIVE_SCHUR;
   }
-  return images.num_neighbors > kMaxFilledIfSparse * images.count ? ceres::DENSE_SCHUR
-                                                                  : ceres::SPARSE_SCHUR;
+  if (system.num_neighbors > kMaxFilledIfSparse * system.num_images) {
+    return ceres::DENSE_SCHUR;
+  }
+  return system.num_pairs > kMaxPairsToOrder ? ceres::ITERATIVE_SCHUR : ceres::SPARSE_SCHUR;
 }
 
 }  // namespace
@@ -261,7 +272,7 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   options.num_threads = 1;
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.dense_linear_algebra_library_type = ceres::EIGEN;
-  options.linear_solver_type = SolverFor(CountMovingImages(model_, roles_, priors_));
+  options.linear_solver_type = SolverFor(MeasureSystem(model_, roles_, priors_));
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;
