@@ -13,14 +13,15 @@ namespace fs = std::filesystem;
 std::optional<uint64_t> FreeBytesOfMachine(const fs::path& root) {
   std::ifstream file(root / "proc/meminfo");
   std::string name, unit;
+  std::optional<uint64_t> free_bytes;
   uint64_t kilobytes = 0;
   while (file >> name >> kilobytes) {
-    if (name == "MemAvailable:") {
-      return kilobytes * 1024;
+    if (name == "MemAvailable:" || name == "SwapFree:") {
+      free_bytes = free_bytes.value_or(0) + kilobytes * 1024;
     }
     std::getline(file, unit);
   }
-  return std::nullopt;
+  return free_bytes;
 }
 
 // Nothing if there is no such file, or the text in it ("max") is no number.
@@ -63,7 +64,7 @@ std::optional<uint64_t> LimitOfGroups(const fs::path& root) {
          std::getline(file, group)) {
     if (controllers.empty()) {
       TakeLess(LimitOfGroup(top, group, "memory.max"), &least);
-    } else if (controllers == "memory") {
+    } else if (("," + controllers + ",").find(",memory,") != std::string::npos) {
       TakeLess(LimitOfGroup(top / "memory", group, "memory.limit_in_bytes"), &least);
     }
   }

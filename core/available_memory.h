@@ -8,9 +8,9 @@
 
 namespace cairn {
 
-// Returns what the machine has free, as Linux estimates it, or the limit of the process's control
-// groups (containers, systemd), if that is less. Returns nothing if the system does not tell.
-// `root` is where /proc and /sys are.
+// Returns what the machine has free, as Linux estimates it, and swap, or the limit of the process's
+// control groups (containers, systemd), if that is less. Returns nothing if the system does not
+// tell. `root` is where /proc and /sys are.
 std::optional<uint64_t> AvailableMemoryBytes(const std::string& root = "/");
 
 }  // namespace cairn

@@ -112,8 +112,8 @@ struct AdjustReport {
 // its center, unless an image is fixed. The scale of the world is then that of the start.
 //
 // The same result on any number of threads. Linear in the number of observations, apart from the
-// factorization of the poses' system, which is sparse where the scene is long; photos that share
-// landmarks with more than 400 others are solved by iterations. Throws Error(kInternal) if the
+// factorization of the poses' system, which is sparse where the scene is long and dense where all
+// photos see the same; hundreds of these are solved by iterations. Throws Error(kInternal) if the
 // solver fails.
 AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const AdjustPriors& priors,
                     const AdjustOptions& options, Reconstruction& model);

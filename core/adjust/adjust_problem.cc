@@ -28,10 +28,12 @@ constexpr double kMaxFilledIfSparse = 0.5;
 
 // To order a sparse system, Ceres holds, for each observation, all images that see its landmark, in
 // some 30 bytes each: 0.8 GB for 300 photos of one wall. Beyond this many, the system is solved by
-// iterations. docs/decisions/0073-photos-of-one-place-have-a-dense-system.md has the figures.
+// iterations, unless so little of it is filled that the images may be a chain.
+// docs/decisions/0073-photos-of-one-place-have-a-dense-system.md has the figures.
 constexpr double kMaxPairsToOrder = 1e7;
+constexpr double kMinFilledIfIterated = 0.2;
 
-// The images that move, and the landmarks that decide.
+// The images that move, and the landmarks that decide and move.
 struct PoseSystem {
   double num_images = 0.0;
   double num_neighbors = 0.0;  // With which an image shares landmarks; root mean square.
@@ -46,9 +48,12 @@ PoseSystem MeasureSystem(const Reconstruction& model, const std::vector<Landmark
   PoseSystem system;
   std::vector<std::vector<int>> landmarks_of_image(model.images.size());
   for (size_t i = 0; i < model.landmarks.size(); ++i) {
+    if (roles[i] != LandmarkRole::kDecides || priors.HoldsLandmark(i)) {
+      continue;
+    }
     double num_moving = 0.0;
     for (const ReconObservation& seen : model.landmarks[i].observations) {
-      if (roles[i] == LandmarkRole::kDecides && moves(seen)) {
+      if (moves(seen)) {
         landmarks_of_image[seen.image_idx].push_back(static_cast<int>(i));
         num_moving += 1.0;
       }
@@ -80,7 +85,9 @@ ceres::LinearSolverType SolverFor(const PoseSystem& system) {
   if (system.num_neighbors > kMaxFilledIfSparse * system.num_images) {
     return ceres::DENSE_SCHUR;
   }
-  return system.num_pairs > kMaxPairsToOrder ? ceres::ITERATIVE_SCHUR : ceres::SPARSE_SCHUR;
+  const bool may_iterate = system.num_neighbors > kMinFilledIfIterated * system.num_images;
+  return may_iterate && system.num_pairs > kMaxPairsToOrder ? ceres::ITERATIVE_SCHUR
+                                                            : ceres::SPARSE_SCHUR;
 }
 
 }  // namespace

@@ -44,8 +44,8 @@ using PhotosProgress = std::function<void(int done, int total)>;
 
 // Photos that cannot be read or that are there twice are left out, each with a reason. `progress`
 // is called by one thread at a time. Throws as FindPhotoFiles; Error(kBadInput), with reasons, if
-// no photo can be read; Error(kIo) if the work folder cannot be written; Error(kUnavailable) if
-// mapping the photos would take more memory than there is.
+// no photo can be read, or if mapping them would take more memory than there is; Error(kIo) if the
+// work folder cannot be written.
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
                        const PhotosProgress& progress = {});
 

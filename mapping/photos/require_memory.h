@@ -13,9 +13,8 @@ struct ReadShare {
   int64_t num_keypoints = 0;  // Of those that were read.
 };
 
-// Throws Error(kUnavailable) with both figures if mapping all photos, of which the others are
-// expected to have as many keypoints each, takes more memory than `available_bytes`. Says nothing
-// of fewer than 100 read photos.
+// Throws Error(kBadInput) with both figures if mapping the photos that were read takes more memory
+// than `available_bytes`, about four times what they take themselves.
 void RequireMemory(const ReadShare& photos, uint64_t available_bytes);
 
 }  // namespace cairn

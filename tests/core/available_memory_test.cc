@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -26,11 +27,12 @@ class AvailableMemory : public ::testing::Test {
 };
 
 constexpr char kMemInfo[] =
-    "MemTotal:       24696916 kB\nMemFree:         1000 kB\nMemAvailable:    2000 kB\nSwap: 0 kB\n";
+    "MemTotal:       24696916 kB\nMemFree:         1000 kB\nMemAvailable:    2000 kB\nSwapFree: "
+    "100 kB\n";
 
 TEST_F(AvailableMemory, IsWhatTheMachineHasFree) {
   Write("proc/meminfo", kMemInfo);
-  EXPECT_EQ(Available(), 2000u * 1024u);
+  EXPECT_EQ(Available(), 2100u * 1024u);
 }
 
 TEST_F(AvailableMemory, IsTheLeastLimitOfTheGroups) {
@@ -38,14 +40,14 @@ TEST_F(AvailableMemory, IsTheLeastLimitOfTheGroups) {
   Write("proc/self/cgroup", "0::/user.slice/a.service\n");
   Write("sys/fs/cgroup/user.slice/memory.max", "3000000\n");
   Write("sys/fs/cgroup/user.slice/a.service/memory.max", "max\n");
-  EXPECT_EQ(Available(), 2000u * 1024u);
+  EXPECT_EQ(Available(), 2100u * 1024u);
   Write("sys/fs/cgroup/user.slice/a.service/memory.max", "1000000\n");
   EXPECT_EQ(Available(), 1000000u);
 }
 
 TEST_F(AvailableMemory, ReadsGroupsOfTheFirstVersion) {
   Write("proc/meminfo", kMemInfo);
-  Write("proc/self/cgroup", "9:name=systemd:/\n5:memory:/docker/abc\n4:cpu,cpuacct:/\n");
+  Write("proc/self/cgroup", "9:name=systemd:/\n5:hugetlb,memory:/docker/abc\n4:cpu,cpuacct:/\n");
   Write("sys/fs/cgroup/memory/memory.limit_in_bytes", "500000\n");  // As a container sees it.
   EXPECT_EQ(Available(), 500000u);
 }
@@ -57,7 +59,12 @@ TEST_F(AvailableMemory, IsUnknownIfNothingTells) {
   EXPECT_FALSE(Available());
 }
 
-TEST(AvailableMemoryOfThisMachine, IsKnown) { EXPECT_GT(AvailableMemoryBytes(), 1u << 20); }
+TEST(AvailableMemoryOfThisMachine, IsKnown) {
+  if (!std::filesystem::exists("/proc/meminfo")) {
+    GTEST_SKIP() << "/proc is not mounted";
+  }
+  EXPECT_GT(AvailableMemoryBytes(), 1u << 20);
+}
 
 }  // namespace
 }  // namespace cairn

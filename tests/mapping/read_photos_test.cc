@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
 
 #include "core/error.h"
@@ -120,18 +122,26 @@ TEST(ReadPhotos, IsTheSameOnAnyNumberOfThreads) {
 
 TEST(ReadPhotos, RefusesMorePhotosThanTheMemoryTakes) {
   const testing::TempDir dir;
-  for (int i = 0; i < 120; ++i) {
-    Write(dir.path() / (std::to_string(i) + ".pgm"), Picture(i % 3 + 1));
+  for (int i = 0; i < 6; ++i) {
+    Write(dir.path() / (std::to_string(i) + ".pgm"), Picture(i + 1));
   }
-  try {
-    ReadPhotos({dir.path()}, {.available_bytes = 1'000'000});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUnavailable);
-    EXPECT_NE(std::string(error.what()).find("mapping 120 photos"), std::string::npos)
-        << error.what();
+  int64_t num_keypoints = 0;
+  for (const MappingPhoto& photo : ReadPhotos({dir.path()}, {}).set.photos) {
+    num_keypoints += std::ssize(photo.keypoints);
   }
-  EXPECT_NO_THROW(ReadPhotos({dir.path()}, {.available_bytes = 1'000'000'000}));
+  const auto needed_bytes = static_cast<uint64_t>(660 * num_keypoints);
+  for (const int num_threads : {1, 3}) {
+    EXPECT_NO_THROW(
+        ReadPhotos({dir.path()}, {.num_threads = num_threads, .available_bytes = needed_bytes}));
+    try {
+      ReadPhotos({dir.path()}, {.num_threads = num_threads, .available_bytes = needed_bytes - 1});
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kBadInput);
+      EXPECT_NE(std::string(error.what()).find("mapping 6 of the 6 photos"), std::string::npos)
+          << error.what();
+    }
+  }
 }
 
 TEST(ReadPhotos, RefusesAFolderWithoutAPhotoThatItCanRead) {

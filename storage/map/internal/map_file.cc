@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 // briefly.
 constexpr int kReaderTimeoutMs = 5000;
 // A writer waits this long for the write lock: a reader that finds the head of the log half written
-// takes this lock for a moment, to read the head again. Another update holds it for longer.
+// takes this lock for a moment, to read the head again. Most updates hold it for longer.
 constexpr int kWriterTimeoutMs = 200;
 constexpr size_t kSqliteHeaderSize = 100;
 constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
