@@ -15,18 +15,22 @@ constexpr double kBytesOfGb = 1e9;
 }  // namespace
 
 void RequireMemory(const ReadShare& photos, uint64_t available_bytes) {
-  const double needed_bytes = kBytesOfKeypoint * static_cast<double>(photos.num_keypoints);
-  if (needed_bytes > static_cast<double>(available_bytes)) {
-    throw Error(
-        ErrorCode::kBadInput,
-        fmt::format("mapping {} of the {} photos, which have {} keypoints, takes about "
-                    "{:.1f} GB of memory, more than the {:.1f} GB that the machine or its "
-                    "limits leave. Map the photos in parts, one after the other: each is a "
-                    "session of its own, which joins the others in the map. Or take fewer "
-                    "keypoints of a photo, with mapping.sift.max_features in --options",
-                    photos.num_read, photos.num_photos, photos.num_keypoints,
-                    needed_bytes / kBytesOfGb, static_cast<double>(available_bytes) / kBytesOfGb));
+  const auto num_keypoints = static_cast<double>(photos.num_keypoints);
+  const auto available = static_cast<double>(available_bytes);
+  if (kBytesOfKeypoint * num_keypoints <= available) {
+    return;
   }
+  const double keypoints_of_photo = num_keypoints / photos.num_read;
+  throw Error(
+      ErrorCode::kBadInput,
+      fmt::format("mapping {} photos with some {:.0f} keypoints each takes about {:.1f} GB of "
+                  "memory, and the machine or its limits leave {:.1f} GB. Map the photos in parts, "
+                  "one after the other: each is a session of its own, which joins the others in "
+                  "the map. Or take fewer keypoints of a photo, with mapping.sift.max_features in "
+                  "--options",
+                  photos.num_photos, keypoints_of_photo,
+                  kBytesOfKeypoint * keypoints_of_photo * photos.num_photos / kBytesOfGb,
+                  available / kBytesOfGb));
 }
 
 }  // namespace cairn

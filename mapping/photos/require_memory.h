@@ -13,8 +13,8 @@ struct ReadShare {
   int64_t num_keypoints = 0;  // Of those that were read.
 };
 
-// Throws Error(kBadInput) with both figures if mapping the photos that were read takes more memory
-// than `available_bytes`, about four times what they take themselves.
+// Throws Error(kBadInput) if mapping the photos that were read takes more memory than
+// `available_bytes`. The message says what all photos take if the others have as many keypoints.
 void RequireMemory(const ReadShare& photos, uint64_t available_bytes);
 
 }  // namespace cairn
