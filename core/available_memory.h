@@ -8,9 +8,9 @@
 
 namespace cairn {
 
-// Returns what the machine has free, as Linux estimates it, and swap, or the limit of the process's
-// control groups (containers, systemd), if that is less. Returns nothing if the system does not
-// tell. `root` is where /proc and /sys are.
+// Returns the bytes of memory and swap that the machine has free, as Linux estimates them, or the
+// limit of the process's control groups (containers, systemd) if that is less. What the groups use
+// already is not taken off. Returns nothing if the system does not tell. `root` holds proc and sys.
 std::optional<uint64_t> AvailableMemoryBytes(const std::string& root = "/");
 
 }  // namespace cairn

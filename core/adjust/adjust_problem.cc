@@ -33,11 +33,14 @@ constexpr double kMaxFilledIfSparse = 0.5;
 constexpr double kMaxPairsToOrder = 1e7;
 constexpr double kMinFilledIfIterated = 0.2;
 
-// The images that move, and the landmarks that decide and move.
+// Counts of the poses' system. Only images and landmarks that move count, and of these landmarks
+// the ones that decide.
 struct PoseSystem {
   double num_images = 0.0;
-  double num_neighbors = 0.0;  // With which an image shares landmarks; root mean square.
-  double num_pairs = 0.0;      // Of an observation and an image that sees its landmark.
+  // An image shares landmarks with so many others; root mean square.
+  double num_neighbors = 0.0;
+  // A pair is an observation and an image that sees its landmark.
+  double num_pairs = 0.0;
 };
 
 PoseSystem MeasureSystem(const Reconstruction& model, const std::vector<LandmarkRole>& roles,

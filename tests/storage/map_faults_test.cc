@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -134,62 +135,57 @@ void ReadWholeVersion(const MapStore& store) {
   }
 }
 
-// A reader that finds the head of the log half written takes the write lock for a moment.
-TEST(MapReaders, StopNoUpdate) {
-  const testing::TempDir dir;
-  PrepareFourVersions(dir.path());
-  MapStore store = OpenForWriting(dir.path());
+// Runs `update` while threads read again and again. Each reads once more when it has ended.
+void UpdateBesideReaders(int num_readers, const std::function<void()>& read,
+                         const std::function<void()>& update) {
   std::atomic<bool> is_done = false;
   std::vector<std::thread> readers;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < num_readers; ++i) {
     readers.emplace_back([&] {
-      while (!is_done) {
-        (void)store.Snapshot();
+      bool is_last = false;
+      while (!is_last) {
+        is_last = is_done;
+        read();
       }
     });
   }
-  const auto update_map = [&] {
-    for (int round = 0; round < 200; ++round) {
-      store.ReserveIds({.num_landmarks = 1});
-    }
-  };
-  EXPECT_NO_THROW(update_map());
+  EXPECT_NO_THROW(update());  // An exception that passed the readers would hide its message.
   is_done = true;
   for (std::thread& reader : readers) {
     reader.join();
   }
 }
 
+// A reader that finds the head of the log half written takes the write lock for a moment.
+TEST(MapReaders, StopNoUpdate) {
+  const testing::TempDir dir;
+  PrepareFourVersions(dir.path());
+  MapStore store = OpenForWriting(dir.path());
+  UpdateBesideReaders(
+      8, [&] { (void)store.Snapshot(); },
+      [&] {
+        for (int round = 0; round < 200; ++round) {
+          store.ReserveIds({.num_landmarks = 1});
+        }
+      });
+}
+
 TEST(MapReaders, SeeWholeVersionsWhateverIsDone) {
   const testing::TempDir dir;
   PrepareFourVersions(dir.path());
   MapStore store = OpenForWriting(dir.path());
-  std::atomic<bool> is_done = false;
-  std::vector<std::thread> readers;
-  for (int i = 0; i < 20; ++i) {
-    readers.emplace_back([&] {
-      bool is_last = false;
-      while (!is_last) {
-        is_last = is_done;
-        ReadWholeVersion(store);
-      }
-    });
-  }
-  const auto update_map = [&] {
-    for (int round = 0; round < 4; ++round) {
-      MapUpdate update = store.BeginUpdate();
-      PutPlace(round % 2, 10 + round, &update, 30 + round);
-      const MapVersion version = update.Publish();
-      RollBack(MapVersion(Value(version) - 1), &store);
-      Prune({.keep = 3}, &store);
-      CompactMap(&store);
-    }
-  };
-  EXPECT_NO_THROW(update_map());  // An exception that passed the readers would hide its message.
-  is_done = true;
-  for (std::thread& reader : readers) {
-    reader.join();
-  }
+  UpdateBesideReaders(
+      20, [&] { ReadWholeVersion(store); },
+      [&] {
+        for (int round = 0; round < 4; ++round) {
+          MapUpdate update = store.BeginUpdate();
+          PutPlace(round % 2, 10 + round, &update, 30 + round);
+          const MapVersion version = update.Publish();
+          RollBack(MapVersion(Value(version) - 1), &store);
+          Prune({.keep = 3}, &store);
+          CompactMap(&store);
+        }
+      });
   EXPECT_THAT(store.Check({}).problems, ::testing::IsEmpty());
 }
 
