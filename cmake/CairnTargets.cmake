@@ -37,6 +37,10 @@ function(cairn_library)
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()
 
+# ctest starts tests of this cost first, and the others fill the processors that these leave free. At
+# the end, a long one would run alone.
+set(cairn_cost_of_long_tests 1000)
+
 # cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage WHOLE Suite...)
 #
 # One test binary a room, `cairn_NAME_test`; every TEST in it is a ctest of its own. Tests may
@@ -65,7 +69,7 @@ function(cairn_test)
   if(ARG_ON_SERVER AND CAIRN_WITH_POSTGRES)
     list(APPEND not_alone */OnServer)
     add_test(NAME ${target}.OnServer COMMAND ${target} --gtest_filter=*/OnServer)
-    set_tests_properties(${target}.OnServer PROPERTIES TIMEOUT 1800)
+    set_tests_properties(${target}.OnServer PROPERTIES TIMEOUT 1800 COST ${cairn_cost_of_long_tests})
   endif()
   foreach(whole ${ARG_WHOLE})
     string(REGEX MATCH "^[^=]+" suite ${whole})
@@ -74,7 +78,8 @@ function(cairn_test)
     list(APPEND not_alone ${filter})
     add_test(NAME ${suite} COMMAND ${target} --gtest_filter=${filter})
     # Skipped if the end of the output says that no test passed and that all were skipped.
-    set_tests_properties(${suite} PROPERTIES TIMEOUT ${ARG_TIMEOUT} SKIP_REGULAR_EXPRESSION
+    set_tests_properties(${suite} PROPERTIES TIMEOUT ${ARG_TIMEOUT}
+      COST ${cairn_cost_of_long_tests} SKIP_REGULAR_EXPRESSION
       "PASSED  \\] 0 tests\\.(\n\\[  SKIPPED \\] [^\n]*)+\n*$")
   endforeach()
   list(JOIN not_alone ":" not_alone)
@@ -84,23 +89,50 @@ endfunction()
 
 # cairn_fuzz_target(NAME base64 DEPENDS cairn::http)
 #
-# A decoder under test, `cairn_base64_fuzz`, from base64_fuzz.cc; tests/fuzz/fuzz_target.h says what
-# such a file has. With CAIRN_FUZZ libFuzzer drives it (scripts/fuzz). Without, it replays the inputs
-# in corpus/base64/ as the test Fuzz.base64.
+# A decoder under test, from base64_fuzz.cc; tests/fuzz/fuzz_target.h says what such a file has. With
+# CAIRN_FUZZ it is a program, `cairn_base64_fuzz`, which libFuzzer drives (scripts/fuzz). Without, the
+# test Fuzz.base64 replays the inputs in corpus/base64/, by the program of cairn_fuzz_replay().
 function(cairn_fuzz_target)
   cmake_parse_arguments(ARG "" "NAME" "DEPENDS" ${ARGN})
+  if(NOT CAIRN_FUZZ)
+    set_property(GLOBAL APPEND PROPERTY CAIRN_FUZZ_NAMES ${ARG_NAME})
+    set_property(GLOBAL APPEND PROPERTY CAIRN_FUZZ_DEPENDS ${ARG_DEPENDS})
+    add_test(NAME Fuzz.${ARG_NAME}
+      COMMAND cairn_fuzz_replay ${ARG_NAME} ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${ARG_NAME})
+    return()
+  endif()
   set(target cairn_${ARG_NAME}_fuzz)
   add_executable(${target} ${ARG_NAME}_fuzz.cc)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} fmt::fmt cairn_compiler_options)
-  if(CAIRN_FUZZ)
-    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
-    add_dependencies(cairn_fuzz_targets ${target})
-  else()
-    target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/tests/fuzz/replay_main.cc)
-    add_test(NAME Fuzz.${ARG_NAME}
-      COMMAND ${target} ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${ARG_NAME})
-  endif()
+  target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+  add_dependencies(cairn_fuzz_targets ${target})
+endfunction()
+
+# cairn_fuzz_replay()
+#
+# `cairn_fuzz_replay NAME FOLDER` runs a target of cairn_fuzz_target() on the files of a folder. All
+# targets are one source, because each of them would read the same headers again.
+function(cairn_fuzz_replay)
+  get_property(names GLOBAL PROPERTY CAIRN_FUZZ_NAMES)
+  get_property(depends GLOBAL PROPERTY CAIRN_FUZZ_DEPENDS)
+  list(REMOVE_DUPLICATES depends)
+  set(CAIRN_FUZZ_INCLUDES)
+  set(CAIRN_FUZZ_TABLE)
+  foreach(name ${names})
+    string(APPEND CAIRN_FUZZ_INCLUDES
+      "#define LLVMFuzzerTestOneInput Fuzz_${name}\n"
+      "#include \"fuzz/${name}_fuzz.cc\"\n"
+      "#undef LLVMFuzzerTestOneInput\n")
+    string(APPEND CAIRN_FUZZ_TABLE "    {\"${name}\", Fuzz_${name}},\n")
+  endforeach()
+  set(source ${CMAKE_BINARY_DIR}/generated/fuzz/fuzz_targets.cc)
+  configure_file(fuzz_targets.cc.in ${source} @ONLY)
+  add_executable(cairn_fuzz_replay replay_main.cc ${source})
+  set_target_properties(cairn_fuzz_replay PROPERTIES UNITY_BUILD OFF)
+  target_include_directories(cairn_fuzz_replay PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_options(cairn_fuzz_replay PRIVATE ${cairn_test_options})
+  target_link_libraries(cairn_fuzz_replay PRIVATE ${depends} fmt::fmt cairn_compiler_options)
 endfunction()
 
 # cairn_benchmark(NAME matching SOURCES x_bench.cc DEPENDS cairn::engine)

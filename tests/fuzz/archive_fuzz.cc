@@ -16,8 +16,8 @@
 namespace cairn {
 namespace {
 
-constexpr ArchiveLimits kLimits = {.max_block_bytes = 1 << 20};
-constexpr size_t kChecksumOffset = 16;
+constexpr ArchiveLimits kArchiveLimits = {.max_block_bytes = 1 << 20};
+constexpr size_t kArchiveChecksumOffset = 16;
 
 using Bytes = std::vector<uint8_t>;
 
@@ -44,7 +44,7 @@ Bytes FileOfParts(std::span<const uint8_t> input) {
   writer.Put(uint32_t{0});
   writer.Put(uint64_t{0});
   writer.PutArray(manifest);
-  file = testing::Sealed(file.data(), file.size(), kChecksumOffset);
+  file = testing::Sealed(file.data(), file.size(), kArchiveChecksumOffset);
   while (!input.empty()) {
     Append(archive::EncodeBlock(TakePart(&input)), &file);
   }
@@ -53,7 +53,7 @@ Bytes FileOfParts(std::span<const uint8_t> input) {
 
 ArchivedSession Decode(std::span<const uint8_t> file) {
   std::istringstream stream(std::string(file.begin(), file.end()));
-  return DecodeSession(&stream, "archive", kLimits);
+  return DecodeSession(&stream, "archive", kArchiveLimits);
 }
 
 Bytes Encode(const ArchivedSession& session) {

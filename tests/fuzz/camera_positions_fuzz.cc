@@ -7,7 +7,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;
   try {
-    ReadCameraPositions(testing::WriteFuzzFile("positions.csv", testing::AsText(data, size)));
+    ReadCameraPositions(
+        cairn::testing::WriteFuzzFile("positions.csv", cairn::testing::AsText(data, size)));
   } catch (const Error& error) {
     CAIRN_CHECK(error.code() == ErrorCode::kBadInput, error.what());
   }

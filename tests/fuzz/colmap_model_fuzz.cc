@@ -34,7 +34,7 @@ constexpr std::array<ModelFile, 3> kBinaryFiles = {{
 
 void WriteModel(const std::array<ModelFile, 3>& files, size_t fuzzed, std::string_view bytes) {
   for (size_t i = 0; i < files.size(); ++i) {
-    testing::WriteFuzzFile(files[i].name, i == fuzzed ? bytes : files[i].valid);
+    cairn::testing::WriteFuzzFile(files[i].name, i == fuzzed ? bytes : files[i].valid);
   }
 }
 
@@ -48,8 +48,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   const size_t which = data[0] % 6;
   const bool is_text = which < 3;
-  WriteModel(is_text ? kTextFiles : kBinaryFiles, which % 3, testing::AsText(data + 1, size - 1));
-  const std::string folder = testing::FuzzFolder().path().string();
+  WriteModel(is_text ? kTextFiles : kBinaryFiles, which % 3,
+             cairn::testing::AsText(data + 1, size - 1));
+  const std::string folder = cairn::testing::FuzzFolder().path().string();
   try {
     const ColmapModel model = is_text ? ReadTextColmapModel(folder) : ReadBinaryColmapModel(folder);
     for (const ColmapPoint& point : model.points) {

@@ -101,7 +101,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   const uint8_t behavior = data[0];
   const size_t piece_bytes = size_t{1} << data[1] % 16;
-  std::string_view rest = testing::AsText(data + 2, size - 2);
+  std::string_view rest = cairn::testing::AsText(data + 2, size - 2);
   int ends[2] = {-1, -1};
   CAIRN_CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) == 0, "no sockets");
   const Socket peer(ends[0]);

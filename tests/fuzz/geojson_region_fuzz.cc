@@ -7,7 +7,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;
-  const std::string path = testing::WriteFuzzFile("region.geojson", testing::AsText(data, size));
+  const std::string path =
+      cairn::testing::WriteFuzzFile("region.geojson", cairn::testing::AsText(data, size));
   try {
     const GeoRegion region = ReadGeoJsonRegion(path);
     CAIRN_CHECK(!region.boxes().empty(), "a region without boxes");

@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;
   CairnOptions options;
   try {
-    ReadOptions(testing::AsText(data, size), &options);
+    ReadOptions(cairn::testing::AsText(data, size), &options);
   } catch (const Error& error) {
     CAIRN_CHECK(error.code() == ErrorCode::kBadInput || error.code() == ErrorCode::kInvalidArgument,
                 error.what());

@@ -12,8 +12,8 @@
 namespace cairn {
 namespace {
 
-void DecodeManifest(const uint8_t* data, size_t size) {
-  const std::string json = ManifestAsJson(ManifestFromJson(testing::AsText(data, size)));
+void DecodeAManifest(const uint8_t* data, size_t size) {
+  const std::string json = ManifestAsJson(ManifestFromJson(cairn::testing::AsText(data, size)));
   CAIRN_CHECK(ManifestAsJson(ManifestFromJson(json)) == json,
               "a manifest changes when it is written and read again");
 }
@@ -44,7 +44,7 @@ void DecodeResult(const uint8_t* data, size_t size) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto decode = size > 1 && data[0] == 'C' && data[1] == 'S'   ? cairn::DecodeAShard
                       : size > 1 && data[0] == 'C' && data[1] == 'R' ? cairn::DecodeResult
-                                                                     : cairn::DecodeManifest;
+                                                                     : cairn::DecodeAManifest;
   try {
     decode(data, size);
   } catch (const cairn::Error& error) {

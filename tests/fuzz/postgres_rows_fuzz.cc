@@ -20,14 +20,14 @@ constexpr Oid kTypes[] = {postgres::kBool,
                           1700 /* numeric */};
 constexpr int kNull = 255;  // As a length.
 
-struct Value {
+struct FuzzedValue {
   Oid type = 0;
   int size = 0;  // -1 for NULL.
   const char* bytes = nullptr;
 };
 
-std::vector<Value> ValuesOf(std::string_view input) {
-  std::vector<Value> values;
+std::vector<FuzzedValue> ValuesOf(std::string_view input) {
+  std::vector<FuzzedValue> values;
   while (input.size() >= 2 && values.size() < 64) {
     const auto kind = static_cast<uint8_t>(input[0]);
     const int stated = static_cast<uint8_t>(input[1]);
@@ -40,7 +40,7 @@ std::vector<Value> ValuesOf(std::string_view input) {
 }
 
 // The result that libpq makes of a row of these values.
-std::unique_ptr<PGresult, decltype(&PQclear)> ResultOf(const std::vector<Value>& values) {
+std::unique_ptr<PGresult, decltype(&PQclear)> ResultOf(const std::vector<FuzzedValue>& values) {
   std::unique_ptr<PGresult, decltype(&PQclear)> result(
       PQmakeEmptyPGresult(nullptr, PGRES_TUPLES_OK), &PQclear);
   std::vector<PGresAttDesc> columns(values.size());
@@ -73,7 +73,7 @@ void ReadOrRefuse(const Read& read) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;
-  const std::vector<Value> values = ValuesOf(testing::AsText(data, size));
+  const std::vector<FuzzedValue> values = ValuesOf(cairn::testing::AsText(data, size));
   const auto result = ResultOf(values);
   const std::string name = "postgresql://db/city";
   const postgres::ResultRow row(result.get(), 0, &name);

@@ -7,7 +7,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;
   try {
-    ReadQueryList(testing::WriteFuzzFile("queries.json", testing::AsText(data, size)));
+    ReadQueryList(
+        cairn::testing::WriteFuzzFile("queries.json", cairn::testing::AsText(data, size)));
   } catch (const Error& error) {
     CAIRN_CHECK(error.code() == ErrorCode::kBadInput || error.code() == ErrorCode::kNotFound,
                 error.what());

@@ -8,8 +8,10 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace cairn;
-  static const std::string photo = testing::WriteFuzzFile("a.pgm", "P5\n4 3\n255\n123456789abc");
-  const std::string path = testing::WriteFuzzFile("rig.json", testing::AsText(data, size));
+  static const std::string photo =
+      cairn::testing::WriteFuzzFile("a.pgm", "P5\n4 3\n255\n123456789abc");
+  const std::string path =
+      cairn::testing::WriteFuzzFile("rig.json", cairn::testing::AsText(data, size));
   try {
     for (const RigPhoto& taken : ReadRigPhotos(path)) {
       CAIRN_CHECK(taken.camera.cam_from_first.translation.allFinite(), "a camera that is nowhere");

@@ -10,25 +10,25 @@
 namespace cairn {
 namespace {
 
-constexpr size_t kChecksumOffset = 64;
-constexpr TileDecodeLimits kLimits = {.max_landmarks = 1 << 16,
-                                      .max_descriptors = 1 << 16,
-                                      .max_keyframes = 1 << 12,
-                                      .max_decoded_bytes = 1 << 24};
+constexpr size_t kTileChecksumOffset = 64;
+constexpr TileDecodeLimits kTileLimits = {.max_landmarks = 1 << 16,
+                                          .max_descriptors = 1 << 16,
+                                          .max_keyframes = 1 << 12,
+                                          .max_decoded_bytes = 1 << 24};
 
 // Throws Error(kMapDamaged).
 void DecodeWhole(const std::vector<uint8_t>& blob) {
   TileLists lists;
-  const Tile tile = DecodeTile(blob, kLimits, &lists);
+  const Tile tile = DecodeTile(blob, kTileLimits, &lists);
   TileLists again;
-  CAIRN_CHECK(testing::SameTile(DecodeTile(EncodeTile(tile, lists), kLimits, &again), tile),
+  CAIRN_CHECK(testing::SameTile(DecodeTile(EncodeTile(tile, lists), kTileLimits, &again), tile),
               "a decoded tile changes when it is encoded and decoded again");
   CAIRN_CHECK(again == lists, "lists change when they are encoded and decoded again");
 }
 
 // Throws Error(kMapDamaged).
 void DecodeParts(const std::vector<uint8_t>& blob) {
-  const TilePayload payload(LargeVector<uint8_t>(blob.begin(), blob.end()), kLimits);
+  const TilePayload payload(LargeVector<uint8_t>(blob.begin(), blob.end()), kTileLimits);
   const TileLists lists = payload.Lists();
   CAIRN_CHECK(lists.members.size() == payload.num_descriptors(), "lists miss descriptors");
   payload.CodesInTileOrder(lists.members);
@@ -51,7 +51,7 @@ bool Decodes(const Decode& decode, const std::vector<uint8_t>& blob) {
 }  // namespace cairn
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const std::vector<uint8_t> blob = cairn::testing::Sealed(data, size, cairn::kChecksumOffset);
+  const std::vector<uint8_t> blob = cairn::testing::Sealed(data, size, cairn::kTileChecksumOffset);
   const bool whole = cairn::Decodes(cairn::DecodeWhole, blob);
   if (cairn::TilePayload::IsSearchReady(blob)) {
     const bool parts = cairn::Decodes(cairn::DecodeParts, blob);

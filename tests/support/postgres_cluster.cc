@@ -111,8 +111,13 @@ std::string PostgresCluster::WhyNot() {
 }
 
 PostgresCluster& PostgresCluster::Shared() {
-  static PostgresCluster cluster;
-  return cluster;
+  struct WithPostgis {
+    // A new database copies template1 in a tenth of the time that it takes to add PostGIS.
+    WithPostgis() { cluster.Execute("template1", "CREATE EXTENSION postgis"); }
+    PostgresCluster cluster;
+  };
+  static WithPostgis shared;
+  return shared.cluster;
 }
 
 PostgresCluster::PostgresCluster(const std::string& host_rules)

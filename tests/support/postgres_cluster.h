@@ -17,7 +17,8 @@ class PostgresCluster {
  public:
   // Returns why there can be no server here; empty if there can be one.
   static std::string WhyNot();
-  // Returns the server that all tests of this process share. Starts it at the first call.
+  // Returns the server that all tests of this process share. Starts it at the first call. Its
+  // databases have PostGIS.
   static PostgresCluster& Shared();
 
   // `host_rules` are lines of pg_hba.conf for clients on 127.0.0.1.
