@@ -40,6 +40,7 @@ endfunction()
 # ctest starts tests of this cost first, and the others fill the processors that these leave free. At
 # the end, a long one would run alone.
 set(cairn_cost_of_long_tests 1000)
+set(cairn_cost_of_wide_tests 2000)  # Those that need two processors.
 
 # cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage WHOLE Suite...)
 #

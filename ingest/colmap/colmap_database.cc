@@ -22,7 +22,6 @@ namespace cairn {
 namespace {
 
 constexpr int kBusyTimeoutMs = 2000;
-constexpr float kDescriptorUnit = 512.0f;
 // Smaller scales count as this one.
 constexpr float kMinScalePx = 0.01f;
 constexpr int64_t kMaxKeypoints = 2'000'000;
@@ -133,7 +132,7 @@ auto WithDatabaseErrors(const std::string& path, const Read& read) {
 std::vector<float> SquaresOfBytes() {
   std::vector<float> squares(256);
   for (int b = 0; b < 256; ++b) {
-    squares[b] = static_cast<float>(b * b) / kDescriptorUnit;
+    squares[b] = static_cast<float>(b * b) / kColmapLength;
   }
   return squares;
 }

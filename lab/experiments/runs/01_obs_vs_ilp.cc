@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kObservations = "observation count";
 constexpr const char* kProgram = "integer program";
 
-std::vector<IngestVariant> MakeVariants(const std::vector<double>& budgets) {
+std::vector<IngestVariant> SelectionVariants(const std::vector<double>& budgets) {
   std::vector<IngestVariant> variants;
   for (const char* method : {kObservations, kProgram}) {
     for (const double budget : budgets) {
@@ -32,7 +32,7 @@ ExperimentOutcome RunObsVsIlp(const ExperimentContext& context) {
   const ExperimentWorldOptions world = MemoryWorld(context);
   const auto budgets =
       context.Pick<std::vector<double>>({1'000, 4'000}, {4'000, 8'000, 16'000, 32'000, 64'000});
-  const auto measured = MeasureIngest(world, MakeVariants(budgets), context);
+  const auto measured = MeasureIngest(world, SelectionVariants(budgets), context);
   const Interval gain = MeanApDifference(measured, kProgram, kObservations, budgets);
   std::string gains;
   for (const double budget : budgets) {

@@ -11,9 +11,9 @@
 namespace cairn {
 namespace {
 
-constexpr double kMargin = 0.03;
+constexpr double kRatioMargin = 0.03;
 constexpr const char* kFixed = "fixed number";
-constexpr const char* kRatio = "ratio";
+constexpr const char* kByRatio = "ratio";
 
 // Returns the fixed number whose map has the nearest size.
 const MeasuredIngest& NearestInSize(const std::vector<MeasuredIngest>& measured,
@@ -35,19 +35,19 @@ ExperimentOutcome RunFixedVsRatio(const ExperimentContext& context) {
     variants.push_back(FixedCountVariant(kFixed, AppearanceKind::kKMeans, count, context));
   }
   for (const double ratio : context.Pick<std::vector<double>>({0.1, 0.5}, {0.1, 0.25, 0.5})) {
-    variants.push_back(RatioVariant(kRatio, AppearanceKind::kKMeans, ratio, context));
+    variants.push_back(RatioVariant(kByRatio, AppearanceKind::kKMeans, ratio, context));
   }
   const ExperimentWorldOptions world = MemoryWorld(context);
   const auto measured = MeasureIngest(world, variants, context);
   std::vector<Verdict> verdicts;
   std::string differences;
   for (const MeasuredIngest& ratio : measured) {
-    if (ratio.variant.method != kRatio) {
+    if (ratio.variant.method != kByRatio) {
       continue;
     }
     const MeasuredIngest& fixed = NearestInSize(measured, ratio);
     const Interval difference = ApDifference(ratio.answers, fixed.answers);
-    verdicts.push_back(JudgeEqual(difference, kMargin));
+    verdicts.push_back(JudgeEqual(difference, kRatioMargin));
     differences +=
         fmt::format("{}ratio {} ({:.2f} MB) against {:.0f} descriptors ({:.2f} MB) {}",
                     differences.empty() ? "" : "; ", ratio.variant.knob, ratio.MegabytesPerTile(),

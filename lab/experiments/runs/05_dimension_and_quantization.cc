@@ -15,10 +15,10 @@
 namespace cairn {
 namespace {
 
-constexpr int kLooksEach = 2;
+constexpr int kLooksOfACar = 2;
 constexpr size_t kNeighbors = 4;
 constexpr int kPaperDim = 16, kPaperBytes = 8;
-constexpr double kMargin = 0.02;
+constexpr double kLossMargin = 0.02;
 constexpr const char* kFloat = "float";
 constexpr const char* kQuantized = "product quantized";
 constexpr ProjectionKind kPrincipal = ProjectionKind::kPrincipalComponents;
@@ -51,10 +51,10 @@ std::vector<Case> MakeCases(const ExperimentContext& context) {
 // Returns true if landmark `right` is among the nearest. The rows of `database` are looks.
 bool IsFound(const Eigen::VectorXf& sq_distances, int right) {
   float best_of_right =
-      sq_distances.segment(Eigen::Index{right} * kLooksEach, kLooksEach).minCoeff();
+      sq_distances.segment(Eigen::Index{right} * kLooksOfACar, kLooksOfACar).minCoeff();
   size_t num_nearer = 0;
-  for (Eigen::Index i = 0; i < sq_distances.size() && num_nearer < kNeighbors; i += kLooksEach) {
-    num_nearer += sq_distances.segment(i, kLooksEach).minCoeff() < best_of_right ? 1 : 0;
+  for (Eigen::Index i = 0; i < sq_distances.size() && num_nearer < kNeighbors; i += kLooksOfACar) {
+    num_nearer += sq_distances.segment(i, kLooksOfACar).minCoeff() < best_of_right ? 1 : 0;
   }
   return num_nearer < kNeighbors;
 }
@@ -110,7 +110,7 @@ void Measure(const DescriptorLooks& looks, const DescriptorMatrix& database,
   measured->recall = MeanDifference({{1.0, measured}});
 }
 
-ResultTable MakeTable(const std::vector<Case>& cases) {
+ResultTable DimensionTable(const std::vector<Case>& cases) {
   std::vector<Column> columns = {{"method"}, {"projection"}, {"dimensions"}, {"bytes"}};
   AddIntervalColumns("recall_at_4", &columns);
   ResultTable table(std::move(columns));
@@ -147,7 +147,7 @@ ExperimentOutcome RunDimensionAndQuantization(const ExperimentContext& context) 
   const int num_landmarks = context.Pick(3'000, 30'000);
   const int num_queries = context.Pick(200, 1'000);
   const DescriptorLooks looks(context.seed);
-  const DescriptorMatrix database = looks.ByCar(0, num_landmarks, kLooksEach);
+  const DescriptorMatrix database = looks.ByCar(0, num_landmarks, kLooksOfACar);
   const DescriptorMatrix queries = looks.ByPhone(0, num_queries);
   std::vector<Case> cases = MakeCases(context);
   for (size_t i = 0; i < cases.size(); ++i) {
@@ -168,11 +168,11 @@ ExperimentOutcome RunDimensionAndQuantization(const ExperimentContext& context) 
 
   ExperimentOutcome outcome;
   outcome.parameters = {{"landmarks", fmt::format("{}", num_landmarks)},
-                        {"looks of a car each", fmt::format("{}", kLooksEach)},
+                        {"looks of a car each", fmt::format("{}", kLooksOfACar)},
                         {"looks of phones", fmt::format("{}", num_queries)}};
-  outcome.table = MakeTable(cases);
+  outcome.table = DimensionTable(cases);
   outcome.figures = {MakeFigure(cases)};
-  outcome.verdict = JudgeAll({JudgeGreater(diminishing), JudgeEqual(loss, kMargin)});
+  outcome.verdict = JudgeAll({JudgeGreater(diminishing), JudgeEqual(loss, kLossMargin)});
   outcome.sentence = fmt::format(
       "The step from {} to {} dimensions gains {} recall, the step from {} to {} gains {}. "
       "Quantization to {} bytes at {} dimensions loses {}. With a projection by likelihood ratio, "

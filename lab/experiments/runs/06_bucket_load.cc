@@ -20,7 +20,7 @@
 namespace cairn {
 namespace {
 
-constexpr int kLooksEach = 5;
+constexpr int kLooksOfALandmark = 5;
 constexpr double kMinSlope = 0.7, kMaxSlope = 1.3;  // "Roughly linear".
 constexpr double kUnevenRatio = 10.0;
 constexpr int kEncodeLandmarks = 2'000;
@@ -36,16 +36,16 @@ struct Load {
 // The loads at each size, for one repeat.
 using Repeat = std::vector<Load>;
 
-// Returns the codes of `num_descriptors / kLooksEach` landmarks' descriptors. Works in pieces that
-// fit the cache.
+// Returns the codes of `num_descriptors / kLooksOfALandmark` landmarks' descriptors. Works in
+// pieces that fit the cache.
 std::vector<uint8_t> MakeCodes(const DescriptorLooks& looks, const DescriptorCodec& codec,
                                uint64_t first_landmark, int num_descriptors) {
   std::vector<uint8_t> codes;
-  const int num_landmarks = num_descriptors / kLooksEach;
+  const int num_landmarks = num_descriptors / kLooksOfALandmark;
   for (int done = 0; done < num_landmarks; done += kEncodeLandmarks) {
     const int count = std::min(kEncodeLandmarks, num_landmarks - done);
     const auto piece =
-        codec.Encode(codec.Project(looks.ByCar(first_landmark + done, count, kLooksEach)));
+        codec.Encode(codec.Project(looks.ByCar(first_landmark + done, count, kLooksOfALandmark)));
     codes.insert(codes.end(), piece.begin(), piece.end());
   }
   return codes;
@@ -156,7 +156,7 @@ ExperimentOutcome RunBucketLoad(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   outcome.parameters = {{"words of each half", fmt::format("{}", options.num_words)},
                         {"repeats", fmt::format("{}", num_repeats)},
-                        {"looks a landmark", fmt::format("{}", kLooksEach)}};
+                        {"looks a landmark", fmt::format("{}", kLooksOfALandmark)}};
   FillOutcome(sizes, repeats, &outcome);
   outcome.verdict = JudgeAll({JudgeGreater(slope, kMinSlope),
                               JudgeGreater({-slope.value, -slope.high, -slope.low}, -kMaxSlope),

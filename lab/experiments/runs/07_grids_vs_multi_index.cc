@@ -26,7 +26,7 @@ Variant MakeVariant(IndexMethod method, ExperimentSize size, int effort, bool wi
   return variant;
 }
 
-std::vector<Variant> MakeVariants(const ExperimentContext& context) {
+std::vector<Variant> IndexVariants(const ExperimentContext& context) {
   std::vector<Variant> variants;
   for (const IndexMethod method : {IndexMethod::kRandomGrids, IndexMethod::kInvertedMultiIndex}) {
     for (const bool with_orientation : {true, false}) {
@@ -62,8 +62,8 @@ Figure TimeFigure(const std::string& name, const std::string& y_label,
   return figure;
 }
 
-ResultTable MakeTable(const std::vector<MeasuredMatching>& matching,
-                      const std::vector<MeasuredVariant>& answers, double reference_seconds) {
+ResultTable IndexTable(const std::vector<MeasuredMatching>& matching,
+                       const std::vector<MeasuredVariant>& answers, double reference_seconds) {
   std::vector<Column> columns = {{"method"}, {"effort"}};
   AddIntervalColumns("match_recall", &columns);
   AddIntervalColumns("match_precision", &columns);
@@ -87,7 +87,7 @@ ResultTable MakeTable(const std::vector<MeasuredMatching>& matching,
 
 ExperimentOutcome RunGridsVsMultiIndex(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
-  const std::vector<Variant> variants = MakeVariants(context);
+  const std::vector<Variant> variants = IndexVariants(context);
   const auto matching = MeasureMatching(*world, variants, context);
   const auto answers = MeasureVariants(*world, variants, context);
   const std::string grids = MethodName(IndexMethod::kRandomGrids, true);
@@ -100,7 +100,7 @@ ExperimentOutcome RunGridsVsMultiIndex(const ExperimentContext& context) {
 
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);
-  outcome.table = MakeTable(matching, answers, reference_seconds);
+  outcome.table = IndexTable(matching, answers, reference_seconds);
   std::vector<Interval> recalls, precisions;
   for (size_t i = 0; i < matching.size(); ++i) {
     recalls.push_back(matching[i].recall);

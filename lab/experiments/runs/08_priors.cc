@@ -23,7 +23,7 @@ constexpr PriorTerms kTerms[] = {{"none", false, false},
                                  {"both", true, true}};
 constexpr int kNone = 0, kBoth = 3;  // Indices into kTerms; x of the variants.
 
-std::vector<Variant> MakeVariants(ExperimentSize size) {
+std::vector<Variant> PriorVariants(ExperimentSize size) {
   std::vector<Variant> variants;
   for (const IndexMethod method : {IndexMethod::kRandomGrids, IndexMethod::kInvertedMultiIndex}) {
     for (size_t i = 0; i < std::size(kTerms); ++i) {
@@ -38,8 +38,8 @@ std::vector<Variant> MakeVariants(ExperimentSize size) {
   return variants;
 }
 
-ResultTable MakeTable(const std::vector<MeasuredMatching>& matching,
-                      const std::vector<MeasuredVariant>& answers) {
+ResultTable PriorTable(const std::vector<MeasuredMatching>& matching,
+                       const std::vector<MeasuredVariant>& answers) {
   std::vector<Column> columns = {{"method"}, {"terms"}};
   AddIntervalColumns("match_recall", &columns);
   AddIntervalColumns("match_precision", &columns);
@@ -60,7 +60,7 @@ ResultTable MakeTable(const std::vector<MeasuredMatching>& matching,
 
 ExperimentOutcome RunPriors(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
-  const std::vector<Variant> variants = MakeVariants(context.size);
+  const std::vector<Variant> variants = PriorVariants(context.size);
   const auto matching = MeasureMatching(*world, variants, context);
   const auto answers = MeasureVariants(*world, variants, context);
   const std::string grids = IndexLabel(IndexMethod::kRandomGrids);
@@ -79,7 +79,7 @@ ExperimentOutcome RunPriors(const ExperimentContext& context) {
                                   fmt::format("{}", MatchingOptions().orientation_weight));
   outcome.parameters.emplace_back("position weight",
                                   fmt::format("{}", MatchingOptions().position_weight));
-  outcome.table = MakeTable(matching, answers);
+  outcome.table = PriorTable(matching, answers);
   Figure figure = AccuracyFigure("08_priors", "Terms of the matching distance", "terms", answers);
   for (const PriorTerms& terms : kTerms) {
     figure.x_names.emplace_back(terms.name);

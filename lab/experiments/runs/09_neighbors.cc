@@ -8,7 +8,7 @@ namespace cairn {
 namespace {
 
 constexpr const char* kRange = "range search";
-constexpr const char* kPlain = "plain kNN";
+constexpr const char* kPlainSearch = "plain kNN";
 constexpr int kPaperNeighbors = 4;
 
 ExperimentOutcome RunNeighbors(const ExperimentContext& context) {
@@ -16,7 +16,7 @@ ExperimentOutcome RunNeighbors(const ExperimentContext& context) {
   const std::vector<int> neighbors =
       context.Pick<std::vector<int>>({1, 4, 8}, {1, 2, 4, 8, 16, 32});
   std::vector<Variant> variants;
-  for (const char* method : {kRange, kPlain}) {
+  for (const char* method : {kRange, kPlainSearch}) {
     for (const int k : neighbors) {
       Variant variant{method, static_cast<double>(k), BestVariant()};
       variant.options.matching.max_neighbors = k;
@@ -29,7 +29,7 @@ ExperimentOutcome RunNeighbors(const ExperimentContext& context) {
   const MeasuredVariant& at_four = At(measured, kRange, kPaperNeighbors);
   const Interval to_one = ApDifference(at_four, At(measured, kRange, neighbors.front()));
   const Interval to_many = ApDifference(at_four, At(measured, kRange, neighbors.back()));
-  const Interval to_plain = ApDifference(at_four, At(measured, kPlain, kPaperNeighbors));
+  const Interval to_plain = ApDifference(at_four, At(measured, kPlainSearch, kPaperNeighbors));
 
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);

@@ -15,10 +15,10 @@
 namespace cairn {
 namespace {
 
-constexpr double kMargin = 0.02;
+constexpr double kThresholdMargin = 0.02;
 
-std::vector<Variant> MakeVariants(const std::string& city, ExperimentSize size,
-                                  const std::vector<double>& quantiles) {
+std::vector<Variant> ThresholdVariants(const std::string& city, ExperimentSize size,
+                                       const std::vector<double>& quantiles) {
   std::vector<Variant> variants;
   for (const IndexMethod method : {IndexMethod::kRandomGrids, IndexMethod::kInvertedMultiIndex}) {
     for (const double quantile : quantiles) {
@@ -56,7 +56,8 @@ ExperimentOutcome RunThresholdOverCities(const ExperimentContext& context) {
   ExperimentOutcome outcome;
   for (const auto& [name, options] : Cities(context)) {
     const auto world = context.worlds->Get(options, context.progress);
-    cities.push_back(MeasureVariants(*world, MakeVariants(name, context.size, quantiles), context));
+    cities.push_back(
+        MeasureVariants(*world, ThresholdVariants(name, context.size, quantiles), context));
     all.insert(all.end(), cities.back().begin(), cities.back().end());
     outcome.parameters.emplace_back(
         name, fmt::format("{}, {} descriptors, {} queries, distance at quantile 0.9: {:.3f}",
@@ -69,9 +70,9 @@ ExperimentOutcome RunThresholdOverCities(const ExperimentContext& context) {
   for (const auto& measured : cities) {
     const std::string& method = measured.front().variant.method;
     const Interval loss = ApDifference(BestOf(measured, method), At(measured, method, common));
-    verdicts.push_back(loss.high <= kMargin ? Verdict::kHolds
-                       : loss.low > kMargin ? Verdict::kDoesNotHold
-                                            : Verdict::kUndecided);
+    verdicts.push_back(loss.high <= kThresholdMargin ? Verdict::kHolds
+                       : loss.low > kThresholdMargin ? Verdict::kDoesNotHold
+                                                     : Verdict::kUndecided);
     losses += fmt::format("{}{}: {}", losses.empty() ? "" : "; ",
                           method.substr(0, method.find(',')), DifferenceText(loss));
   }

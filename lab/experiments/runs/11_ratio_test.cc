@@ -11,9 +11,9 @@ namespace cairn {
 namespace {
 
 constexpr const char* kAbsolute = "absolute threshold";
-constexpr const char* kRatio = "ratio test";
+constexpr const char* kRatioTest = "ratio test";
 
-std::vector<Variant> MakeVariants(const ExperimentContext& context) {
+std::vector<Variant> RatioTestVariants(const ExperimentContext& context) {
   LocalizerOptions base = BestVariant();
   base.matching.index = IndexOfMethod(IndexMethod::kInvertedMultiIndex, context.size);
   base.matching.index.num_reference_words = DefaultsAt(context.size).multi_index.num_words;
@@ -26,7 +26,7 @@ std::vector<Variant> MakeVariants(const ExperimentContext& context) {
   }
   for (const double ratio :
        context.Pick<std::vector<double>>({0.9, 1.5}, {0.7, 0.9, 1.1, 1.3, 1.6})) {
-    Variant variant{kRatio, ratio, base};
+    Variant variant{kRatioTest, ratio, base};
     variant.options.matching.distance_filter = DistanceFilter::kWordRatio;
     variant.options.matching.max_word_ratio = ratio;
     variants.push_back(variant);
@@ -36,9 +36,9 @@ std::vector<Variant> MakeVariants(const ExperimentContext& context) {
 
 ExperimentOutcome RunRatioTest(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
-  const auto measured = MeasureVariants(*world, MakeVariants(context), context);
+  const auto measured = MeasureVariants(*world, RatioTestVariants(context), context);
   const MeasuredVariant& absolute = BestOf(measured, kAbsolute);
-  const MeasuredVariant& ratio = BestOf(measured, kRatio);
+  const MeasuredVariant& ratio = BestOf(measured, kRatioTest);
   const Interval gain = ApDifference(absolute, ratio);
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);

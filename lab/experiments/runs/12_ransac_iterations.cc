@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-std::vector<Variant> MakeVariants(const std::vector<int>& iterations) {
+std::vector<Variant> IterationVariants(const std::vector<int>& iterations) {
   std::vector<Variant> variants;
   for (const NamedFilter& filter : {kVoting, kVotingFlat, kCovisible}) {
     for (const int count : iterations) {
@@ -37,7 +37,7 @@ Interval ExtraLoss(const std::vector<MeasuredVariant>& measured, int few, int ma
 ExperimentOutcome RunRansacIterations(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto iterations = context.Pick<std::vector<int>>({10, 300}, {10, 30, 100, 300, 1000});
-  const auto measured = MeasureVariants(*world, MakeVariants(iterations), context);
+  const auto measured = MeasureVariants(*world, IterationVariants(iterations), context);
   const int few = context.Pick(10, 30);
   const int many = iterations.back();
   const Interval extra_loss = ExtraLoss(measured, few, many);

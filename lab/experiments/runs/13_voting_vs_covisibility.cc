@@ -10,9 +10,9 @@
 namespace cairn {
 namespace {
 
-constexpr int kPaperNeighbors = 4;
+constexpr int kVotingNeighbors = 4;
 
-std::vector<Variant> MakeVariants(const std::vector<int>& neighbors) {
+std::vector<Variant> VotingVariants(const std::vector<int>& neighbors) {
   std::vector<Variant> variants;
   for (const NamedFilter& filter : {kVoting, kVotingFlat, kCovisible}) {
     for (const int k : neighbors) {
@@ -29,12 +29,12 @@ std::vector<Variant> MakeVariants(const std::vector<int>& neighbors) {
 ExperimentOutcome RunVotingVsCovisibility(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto neighbors = context.Pick<std::vector<int>>({1, 4, 8}, {1, 2, 4, 8, 16, 32});
-  const auto measured = MeasureVariants(*world, MakeVariants(neighbors), context);
-  const MeasuredVariant& voting = At(measured, kVoting.name, kPaperNeighbors);
-  const Interval at_four = ApDifference(voting, At(measured, kCovisible.name, kPaperNeighbors));
+  const auto measured = MeasureVariants(*world, VotingVariants(neighbors), context);
+  const MeasuredVariant& voting = At(measured, kVoting.name, kVotingNeighbors);
+  const Interval at_four = ApDifference(voting, At(measured, kCovisible.name, kVotingNeighbors));
   const Interval at_many = ApDifference(At(measured, kVoting.name, neighbors.back()),
                                         At(measured, kCovisible.name, neighbors.back()));
-  const Interval to_flat = ApDifference(voting, At(measured, kVotingFlat.name, kPaperNeighbors));
+  const Interval to_flat = ApDifference(voting, At(measured, kVotingFlat.name, kVotingNeighbors));
 
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);
@@ -47,8 +47,8 @@ ExperimentOutcome RunVotingVsCovisibility(const ExperimentContext& context) {
   outcome.sentence = fmt::format(
       "Voting in 4D is ahead of covisibility filtering by {} average precision at k = {} and by {} "
       "at k = {}. Voting in 4D is ahead of voting in 3D by {} at k = {}.",
-      DifferenceText(at_four), kPaperNeighbors, DifferenceText(at_many), neighbors.back(),
-      DifferenceText(to_flat), kPaperNeighbors);
+      DifferenceText(at_four), kVotingNeighbors, DifferenceText(at_many), neighbors.back(),
+      DifferenceText(to_flat), kVotingNeighbors);
   return outcome;
 }
 

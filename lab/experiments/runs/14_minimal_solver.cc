@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kGravity = "two points and gravity";
 constexpr const char* kP3p = "P3P";
 
-std::vector<Variant> MakeVariants(const std::vector<double>& thresholds_px) {
+std::vector<Variant> SolverVariants(const std::vector<double>& thresholds_px) {
   std::vector<Variant> variants;
   for (const char* method : {kGravity, kP3p}) {
     for (const double threshold_px : thresholds_px) {
@@ -41,7 +41,7 @@ ExperimentOutcome RunMinimalSolver(const ExperimentContext& context) {
   const auto thresholds_px =
       context.Pick<std::vector<double>>({4.0, 16.0}, {1.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0});
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
-  const auto measured = MeasureVariants(*world, MakeVariants(thresholds_px), context);
+  const auto measured = MeasureVariants(*world, SolverVariants(thresholds_px), context);
   const MeasuredVariant& gravity = BestOf(measured, kGravity);
   const MeasuredVariant& p3p = BestOf(measured, kP3p);
   const Interval gain = MeanGain(measured, thresholds_px);

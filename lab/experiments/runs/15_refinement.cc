@@ -14,13 +14,13 @@ struct NamedMode {
   const char* name;
   RefinementMode mode;
 };
-constexpr NamedMode kPlain = {"voting alone", RefinementMode::kNever};
+constexpr NamedMode kVotingAlone = {"voting alone", RefinementMode::kNever};
 constexpr NamedMode kWhenWeak = {"refinement if weak", RefinementMode::kWhenWeak};
 constexpr NamedMode kAlways = {"refinement always", RefinementMode::kAlways};
 
-std::vector<Variant> MakeVariants(const std::vector<int>& candidates) {
+std::vector<Variant> RefinementVariants(const std::vector<int>& candidates) {
   std::vector<Variant> variants;
-  for (const NamedMode& mode : {kPlain, kWhenWeak, kAlways}) {
+  for (const NamedMode& mode : {kVotingAlone, kWhenWeak, kAlways}) {
     for (const int count : candidates) {
       Variant variant{mode.name, static_cast<double>(count), BestVariant()};
       variant.options.refinement.mode = mode.mode;
@@ -34,12 +34,12 @@ std::vector<Variant> MakeVariants(const std::vector<int>& candidates) {
 ExperimentOutcome RunRefinement(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto candidates = context.Pick<std::vector<int>>({1, 8}, {1, 2, 4, 8, 16});
-  const auto measured = MeasureVariants(*world, MakeVariants(candidates), context);
+  const auto measured = MeasureVariants(*world, RefinementVariants(candidates), context);
   std::vector<Verdict> verdicts;
   std::string gains;
   for (const int count : {candidates.front(), VotingOptions().max_candidates, candidates.back()}) {
     const Interval gain =
-        ApDifference(At(measured, kWhenWeak.name, count), At(measured, kPlain.name, count));
+        ApDifference(At(measured, kWhenWeak.name, count), At(measured, kVotingAlone.name, count));
     verdicts.push_back(JudgeGreater(gain));
     gains += fmt::format("{}{} with {}", gains.empty() ? "" : ", ", DifferenceText(gain), count);
   }

@@ -17,7 +17,7 @@ constexpr double kMuchFaster = 10.0;
 double UpdateMs(const fusion::MethodResult& result) { return 1e3 * result.update_seconds.mean; }
 double NumMatches(const fusion::MethodResult& result) { return result.mean_matches; }
 
-ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
+ResultTable EstimatorTable(const std::vector<FusionScene>& scenes) {
   std::vector<Column> columns = {{"scene"}, {"method"}};
   AddIntervalColumns("position_rmse_m", &columns);
   AddIntervalColumns("rotation_rmse_deg", &columns);
@@ -46,7 +46,7 @@ std::string SpeedText(const Interval& speed, const std::string& fastest) {
 }
 
 // Judges one scene and appends the reason to `sentence`.
-Verdict Judge(const FusionScene& scene, std::string* sentence) {
+Verdict JudgeAccuracy(const FusionScene& scene, std::string* sentence) {
   const size_t nearest = BestRival(scene, PositionRmseM);
   const size_t straightest = BestRival(scene, RotationRmseDeg);
   const size_t fastest = BestRival(scene, UpdateMs);
@@ -70,10 +70,10 @@ ExperimentOutcome RunEkfVsBundleAdjustment(const ExperimentContext& context) {
   const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants(), false);
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
-  outcome.table = MakeTable(scenes);
+  outcome.table = EstimatorTable(scenes);
   outcome.figures = {SceneFigure("16_ekf_vs_bundle_adjustment", "Position after global updates",
                                  "position error, m (root mean square)", scenes, PositionRmseM)};
-  outcome.verdict = JudgeScenes(scenes, Judge, &outcome.sentence);
+  outcome.verdict = JudgeScenes(scenes, JudgeAccuracy, &outcome.sentence);
   return outcome;
 }
 

@@ -19,7 +19,7 @@ double MostChangeCm(const fusion::MethodResult& result) {
 }
 double TurnMrad(const fusion::MethodResult& result) { return 1e3 * result.rotation_change_rad.rms; }
 
-ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
+ResultTable SmoothnessTable(const std::vector<FusionScene>& scenes) {
   std::vector<Column> columns = {{"scene"}, {"method"}};
   AddIntervalColumns("position_change_cm", &columns);
   columns.push_back({"95_percent_cm"});
@@ -40,7 +40,7 @@ ResultTable MakeTable(const std::vector<FusionScene>& scenes) {
 }
 
 // Judges one scene and appends the reason to `sentence`.
-Verdict Judge(const FusionScene& scene, std::string* sentence) {
+Verdict JudgeSmoothness(const FusionScene& scene, std::string* sentence) {
   const size_t smoothest = BestRival(scene, ChangeCm);
   const size_t smoothest_steady = BestRival(scene, ChangeCm, true);
   const Interval shown = RatioOver(scene, kSteadyFilter, smoothest, ChangeCm);
@@ -60,11 +60,11 @@ ExperimentOutcome RunSmoothness(const ExperimentContext& context) {
   const std::vector<FusionScene> scenes = RunFusionScenes(context, fusion::PaperVariants(), true);
   ExperimentOutcome outcome;
   outcome.parameters = FusionParameters(context);
-  outcome.table = MakeTable(scenes);
+  outcome.table = SmoothnessTable(scenes);
   outcome.figures = {SceneFigure("17_smoothness", "Change of the position error between frames",
                                  "change from frame to frame, cm (root mean square)", scenes,
                                  ChangeCm)};
-  outcome.verdict = JudgeScenes(scenes, Judge, &outcome.sentence);
+  outcome.verdict = JudgeScenes(scenes, JudgeSmoothness, &outcome.sentence);
   return outcome;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kUsefulRecall = 0.5;
 
-ResultTable MakeTable() {
+ResultTable CityTable() {
   std::vector<Column> columns = {
       {"city"},   {"tiles"}, {"landmarks_a_tile"}, {"megabytes_a_tile"}, {"bytes_a_descriptor"},
       {"queries"}};
@@ -53,7 +53,7 @@ void AddRow(const std::string& city, const ExperimentWorld& world, const Measure
 
 ExperimentOutcome RunFourCities(const ExperimentContext& context) {
   ExperimentOutcome outcome;
-  outcome.table = MakeTable();
+  outcome.table = CityTable();
   Figure figure{"18_four_cities", "Four cities at one setting", "city", "share of queries"};
   figure.series = {{"average precision", {}}, {"recall at 3 m, 10 degrees", {}}};
   std::vector<Verdict> verdicts;

@@ -46,7 +46,7 @@ std::vector<CitySamples> MeasureCities(const ExperimentContext& context,
   return cities;
 }
 
-ResultTable MakeTable() {
+ResultTable CalibrationTable() {
   std::vector<Column> columns = {
       {"calibration"}, {"city"}, {"answers"}, {"calibration_error"}, {"brier_score"}};
   AddIntervalColumns("position_coverage", &columns);
@@ -85,7 +85,7 @@ Verdict JudgeCity(const CalibrationReport& report) {
 
 ExperimentOutcome RunCalibration(const ExperimentContext& context) {
   ExperimentOutcome outcome;
-  outcome.table = MakeTable();
+  outcome.table = CalibrationTable();
   const std::vector<CitySamples> cities = MeasureCities(context, &outcome);
   const CitySamples& fitted_to = *std::find_if(
       cities.begin(), cities.end(),

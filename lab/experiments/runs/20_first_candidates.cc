@@ -171,7 +171,7 @@ double MeanOf(const std::vector<Ranking>& rankings, int Ranking::*count) {
   return sum / static_cast<double>(rankings.size());
 }
 
-ResultTable MakeTable() {
+ResultTable RankingTable() {
   std::vector<Column> columns = {
       {"method"}, {"most_right_share"}, {"matches_a_query"}, {"right_ones"}, {"solvable_queries"}};
   for (const char* name : {"truth_is_first", "truth_among_first_5", "truth_among_all"}) {
@@ -213,7 +213,7 @@ ExperimentOutcome RunFirstCandidates(const ExperimentContext& context) {
       context.Pick<std::vector<double>>({kFewRight}, {0.0075, 0.01, kFewRight, 0.02, 0.03, 0.1});
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);
-  outcome.table = MakeTable();
+  outcome.table = RankingTable();
   Figure figure{.name = "20_first_candidates",
                 .title = "The truth among the first five candidates",
                 .x_label = "right matches at most, per cent",

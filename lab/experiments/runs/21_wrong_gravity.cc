@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kGiven = "gravity given";
 constexpr const char* kAbsent = "no gravity";
 // Largest acceptable loss of average precision through wrong gravity, compared with no gravity.
-constexpr double kMargin = 0.05;
+constexpr double kGravityMargin = 0.05;
 constexpr double kPhoneErrorDeg = 1.0;
 
 // Returns the world with other priors: position errors of 10 m per axis, gravity errors of
@@ -64,7 +64,7 @@ ExperimentOutcome RunWrongGravity(const ExperimentContext& context) {
   std::string costs;
   for (const double error_deg : errors_deg) {
     const Interval gain = ApDifference(At(measured, kGiven, error_deg), absent);
-    parts.push_back(JudgeGreater(gain, -kMargin));
+    parts.push_back(JudgeGreater(gain, -kGravityMargin));
     costs += fmt::format("{}{} at {}°", costs.empty() ? "" : ", ", DifferenceText(gain), error_deg);
   }
   outcome.verdict = JudgeAll(parts);
