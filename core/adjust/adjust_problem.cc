@@ -13,6 +13,7 @@
 #include "core/adjust/pose_system.h"
 #include "core/error.h"
 #include "core/focal_length.h"
+#include "core/quiet_ceres.h"
 #include "core/scene/triangulate.h"
 
 namespace cairn {
@@ -213,7 +214,7 @@ void AdjustProblem::StartFrom(std::span<const CameraUnknowns> unknowns) {
 }
 
 ceres::Solver::Summary AdjustProblem::Solve() {
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = QuietCeresOptions();
   // One thread: Ceres adds up the sums of several threads in the order in which they end.
   // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
   options.num_threads = 1;
@@ -223,7 +224,9 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;
-  options.logging_type = ceres::SILENT;
+  // Where landmarks are very far away, rounding makes systems that cannot be factored. Each such
+  // step is tried shorter, and after some fifteen none is left: that is the end, not a failure.
+  options.max_num_consecutive_invalid_steps = 50;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (size_t i = 0; i < model_.landmarks.size(); ++i) {
     if (roles_[i] == LandmarkRole::kDecides) {

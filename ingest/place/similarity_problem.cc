@@ -11,6 +11,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "core/quiet_ceres.h"
 #include "core/random.h"
 #include "core/rotation_between.h"
 
@@ -274,12 +275,11 @@ Sim3d RefineSimilarity(const SimilarityProblem& problem, const Sim3d& start) {
   }
   ceres_problem.SetManifold(parameters.rotation.coeffs().data(),
                             new ceres::EigenQuaternionManifold);
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = QuietCeresOptions();
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   if (!summary.IsSolutionUsable()) {

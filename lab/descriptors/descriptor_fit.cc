@@ -13,6 +13,7 @@
 
 #include "core/check.h"
 #include "core/error.h"
+#include "core/quiet_ceres.h"
 #include "lab/descriptors/descriptor_statistics.h"
 
 namespace cairn {
@@ -188,10 +189,9 @@ DescriptorModelOptions Minimize(const DescriptorModelOptions& start, int num_par
   std::vector<double> x(static_cast<size_t>(num_parameters), 1.0);
   ceres::Problem problem;
   problem.AddResidualBlock(cost, nullptr, x.data());
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = QuietCeresOptions();
   options.max_num_iterations = kMaxIterations;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
   options.function_tolerance = 1e-3;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);

@@ -284,6 +284,21 @@ TEST(Adjust, FollowsFixedLandmarks) {
   }
 }
 
+// Systems with such landmarks cannot be factored until the steps are short.
+TEST(Adjust, LandmarksFarAwayAreNoFailureAndNoMessage) {
+  Scene scene = MakeScene(0.3, Pinhole(), 6, 60);
+  Reconstruction model = scene.truth;
+  for (size_t i = 30; i < 60; ++i) {
+    model.landmarks[i].x_in_world *= 1e7;
+  }
+  AdjustOptions options;
+  options.max_error_sigmas = 1e9;
+  options.min_relative_change = 1e-15;
+  ::testing::internal::CaptureStderr();
+  EXPECT_NO_THROW(Adjust(kBent, {}, options, model));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
 // Iterations, which so many images of one place ask for, find the poses as a factorization does.
 TEST(Adjust, FindsManyImagesOfOnePlace) {
   Scene scene = MakeScene(0.3, Pinhole(), 405, 40);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/quiet_ceres.h"
+
 namespace cairn::fusion {
 namespace {
 
@@ -22,11 +24,10 @@ ceres::Problem::Options ProblemOptions(PrepareVariables* prepare) {
 }
 
 ceres::Solver::Options SolverOptions(int num_iterations) {
-  ceres::Solver::Options options;
+  ceres::Solver::Options options = QuietCeresOptions();
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.dense_linear_algebra_library_type = ceres::EIGEN;
   options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
   // Zero tolerances make the number of iterations exact.
   options.max_num_iterations = num_iterations;
   options.function_tolerance = 0.0;
