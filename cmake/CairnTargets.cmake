@@ -37,10 +37,10 @@ function(cairn_library)
   set_property(GLOBAL APPEND PROPERTY CAIRN_LIBRARIES ${target})
 endfunction()
 
-# ctest starts tests of this cost first, and the others fill the processors that these leave free. At
-# the end, a long one would run alone.
+# ctest starts tests of higher cost first. A test without a cost has the seconds of its earlier runs.
+# These costs are above all of those, so that no long test runs alone at the end, also in a new build.
 set(cairn_cost_of_long_tests 1000)
-set(cairn_cost_of_wide_tests 2000)  # Those that need two processors.
+set(cairn_cost_of_wide_tests 2000)  # Of tests that need two processors.
 
 # cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage WHOLE Suite...)
 #
@@ -112,24 +112,34 @@ endfunction()
 
 # cairn_fuzz_replay()
 #
-# `cairn_fuzz_replay NAME FOLDER` runs a target of cairn_fuzz_target() on the files of a folder. All
-# targets are one source, because each of them would read the same headers again.
+# `cairn_fuzz_replay NAME FOLDER` runs a target of cairn_fuzz_target() on the files of a folder. Each
+# target has the name of its function there. In a unity build all of them are one source, because
+# each would read the same headers again.
 function(cairn_fuzz_replay)
   get_property(names GLOBAL PROPERTY CAIRN_FUZZ_NAMES)
   get_property(depends GLOBAL PROPERTY CAIRN_FUZZ_DEPENDS)
   list(REMOVE_DUPLICATES depends)
-  set(CAIRN_FUZZ_INCLUDES)
+  set(CAIRN_FUZZ_TARGETS)
   set(CAIRN_FUZZ_TABLE)
-  foreach(name ${names})
-    string(APPEND CAIRN_FUZZ_INCLUDES
-      "#define LLVMFuzzerTestOneInput Fuzz_${name}\n"
-      "#include \"fuzz/${name}_fuzz.cc\"\n"
-      "#undef LLVMFuzzerTestOneInput\n")
-    string(APPEND CAIRN_FUZZ_TABLE "    {\"${name}\", Fuzz_${name}},\n")
-  endforeach()
   set(source ${CMAKE_BINARY_DIR}/generated/fuzz/fuzz_targets.cc)
+  set(sources replay_main.cc ${source})
+  foreach(name ${names})
+    string(APPEND CAIRN_FUZZ_TABLE "    {\"${name}\", Fuzz_${name}},\n")
+    if(CMAKE_UNITY_BUILD)
+      string(APPEND CAIRN_FUZZ_TARGETS
+        "#define LLVMFuzzerTestOneInput Fuzz_${name}\n"
+        "#include \"fuzz/${name}_fuzz.cc\"\n"
+        "#undef LLVMFuzzerTestOneInput\n")
+    else()
+      string(APPEND CAIRN_FUZZ_TARGETS
+        "extern \"C\" int Fuzz_${name}(const uint8_t* data, size_t size);\n")
+      list(APPEND sources ${name}_fuzz.cc)
+      set_source_files_properties(${name}_fuzz.cc PROPERTIES
+        COMPILE_DEFINITIONS LLVMFuzzerTestOneInput=Fuzz_${name})
+    endif()
+  endforeach()
   configure_file(fuzz_targets.cc.in ${source} @ONLY)
-  add_executable(cairn_fuzz_replay replay_main.cc ${source})
+  add_executable(cairn_fuzz_replay ${sources})
   set_target_properties(cairn_fuzz_replay PROPERTIES UNITY_BUILD OFF)
   target_include_directories(cairn_fuzz_replay PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_options(cairn_fuzz_replay PRIVATE ${cairn_test_options})

@@ -10,10 +10,10 @@
 #include <memory>
 
 #include "core/adjust/adjust_costs.h"
-#include "core/adjust/pose_system.h"
+#include "core/adjust/pose_solver.h"
+#include "core/adjust/quiet_ceres.h"
 #include "core/error.h"
 #include "core/focal_length.h"
-#include "core/quiet_ceres.h"
 #include "core/scene/triangulate.h"
 
 namespace cairn {
@@ -224,8 +224,9 @@ ceres::Solver::Summary AdjustProblem::Solve() {
   options.preconditioner_type = ceres::SCHUR_JACOBI;  // Of the iterations.
   options.max_num_iterations = options_.max_iterations;
   options.function_tolerance = options_.min_relative_change;
-  // Where landmarks are very far away, rounding makes systems that cannot be factored. Each such
-  // step is tried shorter, and after some fifteen none is left: that is the end, not a failure.
+  // Rounding can make a system with very distant landmarks that cannot be factored. Ceres then
+  // tries a shorter step. After at most 18 of them the trust region has its least radius, and Ceres
+  // stops with the best state so far. By default Ceres would report a failure after five.
   options.max_num_consecutive_invalid_steps = 50;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (size_t i = 0; i < model_.landmarks.size(); ++i) {

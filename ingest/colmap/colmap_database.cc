@@ -132,7 +132,7 @@ auto WithDatabaseErrors(const std::string& path, const Read& read) {
 std::vector<float> SquaresOfBytes() {
   std::vector<float> squares(256);
   for (int b = 0; b < 256; ++b) {
-    squares[b] = static_cast<float>(b * b) / kColmapLength;
+    squares[b] = static_cast<float>(b * b) / kColmapNorm;
   }
   return squares;
 }

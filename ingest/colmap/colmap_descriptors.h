@@ -10,8 +10,8 @@
 namespace cairn {
 
 constexpr int kColmapDim = 128;
-// The length of a row of bytes.
-constexpr float kColmapLength = 512.0f;
+// The Euclidean norm of a row of bytes.
+constexpr float kColmapNorm = 512.0f;
 
 // COLMAP's option SiftExtraction.normalization. The name states what a stored byte is.
 enum class SiftNormalization {

@@ -16,7 +16,7 @@
 namespace cairn {
 namespace {
 
-constexpr int kNewFileTimeoutMs = 1000;
+constexpr int kNewFileBusyTimeoutMs = 1000;
 
 // COLMAP's tables without their foreign keys and checks.
 constexpr const char* kTables =
@@ -104,7 +104,7 @@ void WriteFeatures(const FeatureSet& features, int64_t image_id, int keypoint_co
   for (int i = 0; i < features.size(); ++i) {
     const float l1_norm = features.descriptors.row(i).lpNorm<1>();
     for (const float value : features.descriptors.row(i)) {
-      const float root = std::round(kColmapLength * std::sqrt(value / l1_norm));
+      const float root = std::round(kColmapNorm * std::sqrt(value / l1_norm));
       descriptors.push_back(static_cast<uint8_t>(std::min(255.0f, root)));
     }
   }
@@ -171,7 +171,7 @@ void WriteGps(const Geodetic& gps, int64_t image_id, ColmapGpsTable table,
 
 void WriteColmapDatabase(const Reconstruction& reconstruction, const std::string& path,
                          const ColmapDatabaseOptions& options) {
-  sqlite::Connection database(path, sqlite::Access::kCreate, kNewFileTimeoutMs);
+  sqlite::Connection database(path, sqlite::Access::kCreate, kNewFileBusyTimeoutMs);
   database.Execute(kTables + TablesOfImages(options.gps));
   database.Execute("BEGIN");
   for (size_t i = 0; i < reconstruction.cameras.size(); ++i) {

@@ -10,8 +10,8 @@
 #include <limits>
 #include <random>
 
+#include "core/adjust/quiet_ceres.h"
 #include "core/error.h"
-#include "core/quiet_ceres.h"
 #include "core/random.h"
 #include "core/rotation_between.h"
 

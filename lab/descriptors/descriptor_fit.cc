@@ -11,9 +11,9 @@
 #include <limits>
 #include <utility>
 
+#include "core/adjust/quiet_ceres.h"
 #include "core/check.h"
 #include "core/error.h"
-#include "core/quiet_ceres.h"
 #include "lab/descriptors/descriptor_statistics.h"
 
 namespace cairn {

@@ -44,7 +44,7 @@ TwoPointProblem RandomTwoPointProblem(std::mt19937_64* random) {
   return MakeTwoPointProblem(3.1 * uniform(*random), point(10.0), point(50.0), point(50.0));
 }
 
-double DistanceOf(const LevelPose& a, const LevelPose& b) {
+double PoseError(const LevelPose& a, const LevelPose& b) {
   return (a.center_in_anchor - b.center_in_anchor).norm() +
          (a.yaw_direction - b.yaw_direction).norm();
 }
@@ -59,7 +59,7 @@ TEST(SolveGravityTwoPoint, RecoversTruthAndOnlyExactPoses) {
     ASSERT_GE(num_poses, 1);
     double best = 1e9;
     for (int k = 0; k < num_poses; ++k) {
-      best = std::min(best, DistanceOf(poses[k], problem.truth));
+      best = std::min(best, PoseError(poses[k], problem.truth));
       EXPECT_NEAR(poses[k].yaw_direction.norm(), 1.0, 1e-9);
       for (int j = 0; j < 2; ++j) {
         const Vector3d seen = InLevel(poses[k], problem.x_in_anchor[j]).normalized();
@@ -82,8 +82,8 @@ TEST(SolveGravityTwoPoint, OneHorizontalRayIsEnoughOfTheOther) {
     std::array<LevelPose, 2> poses;
     const int num_poses = SolveGravityTwoPoint(bearings, points, &poses);
     ASSERT_GE(num_poses, 1);
-    EXPECT_LT(std::min(DistanceOf(poses[0], problem.truth),
-                       num_poses == 2 ? DistanceOf(poses[1], problem.truth) : 1e9),
+    EXPECT_LT(std::min(PoseError(poses[0], problem.truth),
+                       num_poses == 2 ? PoseError(poses[1], problem.truth) : 1e9),
               1e-9);
   }
 }
@@ -95,8 +95,8 @@ TEST(SolveGravityTwoPoint, NearlyHorizontalRaysStayAccurate) {
   const int num_poses =
       SolveGravityTwoPoint(problem.bearings_in_level, problem.x_in_anchor, &poses);
   ASSERT_GE(num_poses, 1);
-  EXPECT_LT(std::min(DistanceOf(poses[0], problem.truth),
-                     num_poses == 2 ? DistanceOf(poses[1], problem.truth) : 1e9),
+  EXPECT_LT(std::min(PoseError(poses[0], problem.truth),
+                     num_poses == 2 ? PoseError(poses[1], problem.truth) : 1e9),
             1e-8);
 }
 
@@ -175,8 +175,8 @@ TEST(SolveGravityTwoPoint, NoiseMovesSolutionLittle) {
   std::array<LevelPose, 2> poses;
   const int num_poses = SolveGravityTwoPoint(noisy.bearings_in_level, noisy.x_in_anchor, &poses);
   ASSERT_GE(num_poses, 1);
-  EXPECT_LT(std::min(DistanceOf(poses[0], problem.truth),
-                     num_poses == 2 ? DistanceOf(poses[1], problem.truth) : 1e9),
+  EXPECT_LT(std::min(PoseError(poses[0], problem.truth),
+                     num_poses == 2 ? PoseError(poses[1], problem.truth) : 1e9),
             0.5);
 }
 

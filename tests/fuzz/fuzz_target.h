@@ -3,8 +3,8 @@
 // A target is a file `<name>_fuzz.cc` that defines LLVMFuzzerTestOneInput. The function passes the
 // bytes to a decoder, catches only the errors that the decoder documents, and checks the properties
 // of a result with CAIRN_CHECK. `scripts/fuzz` runs the targets with libFuzzer. The ordinary build
-// replays the inputs in `corpus/<name>/` as a test; there, all targets are one source, so that no
-// two of them may use the same names.
+// replays the inputs in `corpus/<name>/` as a test. The release preset compiles all targets as one
+// source, so their names in anonymous namespaces differ.
 #ifndef CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_
 #define CAIRN_TESTS_FUZZ_FUZZ_TARGET_H_
 

@@ -12,20 +12,20 @@
 namespace cairn {
 namespace {
 
-void DecodeAManifest(const uint8_t* data, size_t size) {
+void DecodePlanManifest(const uint8_t* data, size_t size) {
   const std::string json = ManifestAsJson(ManifestFromJson(cairn::testing::AsText(data, size)));
   CAIRN_CHECK(ManifestAsJson(ManifestFromJson(json)) == json,
               "a manifest changes when it is written and read again");
 }
 
-void DecodeAShard(const uint8_t* data, size_t size) {
+void DecodePlanShard(const uint8_t* data, size_t size) {
   const std::vector<uint8_t> bytes = EncodeShard(DecodeShard({data, size}));
   CAIRN_CHECK(EncodeShard(DecodeShard(bytes)) == bytes,
               "a shard changes when it is encoded and decoded again");
 }
 
 // The result is taken as one of the plan and of the tile that it names.
-void DecodeResult(const uint8_t* data, size_t size) {
+void DecodePlanResult(const uint8_t* data, size_t size) {
   constexpr size_t kChecksumOffset = 8, kDigestOffset = 16, kTileOffset = 48;
   const std::vector<uint8_t> bytes = testing::Sealed(data, size, kChecksumOffset);
   if (bytes.size() < kTileOffset + sizeof(uint64_t)) {
@@ -42,9 +42,9 @@ void DecodeResult(const uint8_t* data, size_t size) {
 }  // namespace cairn
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const auto decode = size > 1 && data[0] == 'C' && data[1] == 'S'   ? cairn::DecodeAShard
-                      : size > 1 && data[0] == 'C' && data[1] == 'R' ? cairn::DecodeResult
-                                                                     : cairn::DecodeAManifest;
+  const auto decode = size > 1 && data[0] == 'C' && data[1] == 'S'   ? cairn::DecodePlanShard
+                      : size > 1 && data[0] == 'C' && data[1] == 'R' ? cairn::DecodePlanResult
+                                                                     : cairn::DecodePlanManifest;
   try {
     decode(data, size);
   } catch (const cairn::Error& error) {

@@ -1,5 +1,7 @@
 // Rows that a hostile PostgreSQL server sends, read as every type. The first byte of a value is its
 // type, the second byte its length.
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>

@@ -284,18 +284,31 @@ TEST(Adjust, FollowsFixedLandmarks) {
   }
 }
 
-// Systems with such landmarks cannot be factored until the steps are short.
-TEST(Adjust, LandmarksFarAwayAreNoFailureAndNoMessage) {
-  Scene scene = MakeScene(0.3, Pinhole(), 6, 60);
-  Reconstruction model = scene.truth;
+// Half of the landmarks are so far away that many systems cannot be factored, six of them in a row.
+Reconstruction WithFarLandmarks() {
+  Reconstruction model = MakeScene(0.3, Pinhole(), 6, 60).truth;
   for (size_t i = 30; i < 60; ++i) {
     model.landmarks[i].x_in_world *= 1e7;
   }
+  return model;
+}
+
+AdjustOptions ToTheEnd() {
   AdjustOptions options;
   options.max_error_sigmas = 1e9;
   options.min_relative_change = 1e-15;
+  return options;
+}
+
+TEST(Adjust, GoesOnAfterStepsThatCannotBeComputed) {
+  Reconstruction model = WithFarLandmarks();
+  EXPECT_NO_THROW(Adjust(kBent, {}, ToTheEnd(), model));
+}
+
+TEST(Adjust, PrintsNothing) {
+  Reconstruction model = WithFarLandmarks();
   ::testing::internal::CaptureStderr();
-  EXPECT_NO_THROW(Adjust(kBent, {}, options, model));
+  Adjust(kBent, {}, ToTheEnd(), model);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 

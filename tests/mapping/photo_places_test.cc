@@ -17,13 +17,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kNumPlaced = 4;
+constexpr int kNumGpsPhotos = 4;
 constexpr double kLatDeg = 55.698, kLonDeg = 13.195, kStepDeg = 1e-4;
 
 class PhotoPlacesTest : public ::testing::Test {
  protected:
   PhotoPlacesTest() {
-    for (int i = 0; i < kNumPlaced; ++i) {
+    for (int i = 0; i < kNumGpsPhotos; ++i) {
       MappingPhoto photo;
       photo.name = std::to_string(i) + ".jpg";
       photo.gps = Geodetic::FromDegrees(kLatDeg + i * kStepDeg, kLonDeg, 37.0);
@@ -38,7 +38,7 @@ class PhotoPlacesTest : public ::testing::Test {
     std::ofstream table(input_.positions_path);
     table << "image,lat_deg,lon_deg,h_m\n";
     table.precision(9);
-    for (int i = 0; i < kNumPlaced; ++i) {
+    for (int i = 0; i < kNumGpsPhotos; ++i) {
       table << i << ".jpg," << lat_deg + i * kStepDeg << "," << lon_deg << ",37\n";
     }
     table.close();
@@ -53,7 +53,7 @@ class PhotoPlacesTest : public ::testing::Test {
 
 TEST_F(PhotoPlacesTest, ATableReplacesExif) {
   const PhotoPlaces places = Find(kLatDeg + 1e-3, kLonDeg);
-  ASSERT_EQ(places.positions.size(), static_cast<size_t>(kNumPlaced));
+  ASSERT_EQ(places.positions.size(), static_cast<size_t>(kNumGpsPhotos));
   EXPECT_NEAR(places.positions[0]->position.lat_deg(), kLatDeg + 1e-3, 1e-9);
   EXPECT_NEAR(folder_.set.photos[0].gps->lat_deg(), kLatDeg + 1e-3, 1e-9);
   EXPECT_TRUE(notes_.empty());

@@ -23,6 +23,7 @@ namespace cairn {
 namespace {
 
 using testing::AddTile;
+using testing::BoxDeg;
 using ::testing::ElementsAre;
 using testing::ErrorCodeOf;
 using testing::Ids;
@@ -33,10 +34,6 @@ using testing::RandomCodebook;
 using testing::RandomTile;
 using testing::TempDir;
 using testing::TileAt;
-
-GeoBox BoxDeg(double south, double west, double north, double east) {
-  return {south * kRadPerDeg, west * kRadPerDeg, north * kRadPerDeg, east * kRadPerDeg};
-}
 
 class MapStoreTest : public testing::MapPlaceTest {};
 CAIRN_ON_BOTH_KINDS_OF_MAPS(MapStoreTest);

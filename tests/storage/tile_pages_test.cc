@@ -19,16 +19,13 @@ namespace cairn {
 namespace {
 
 using testing::AddTile;
+using testing::BoxDeg;
 using testing::Ids;
 using ::testing::IsEmpty;
 using testing::RandomCodebook;
 using testing::RandomTile;
 using testing::TempDir;
 using testing::TileAt;
-
-GeoBox BoxDeg(double south, double west, double north, double east) {
-  return {south * kRadPerDeg, west * kRadPerDeg, north * kRadPerDeg, east * kRadPerDeg};
-}
 
 const GeoBox kWorld = BoxDeg(-90, -180, 90, 180);
 

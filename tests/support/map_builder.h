@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "storage/map/map_store.h"
@@ -21,6 +22,10 @@ namespace cairn::testing {
 
 inline TileId TileAt(double lat_deg, double lon_deg) {
   return TileId::Containing(Geodetic::FromDegrees(lat_deg, lon_deg, 0.0));
+}
+
+inline GeoBox BoxDeg(double south, double west, double north, double east) {
+  return {south * kRadPerDeg, west * kRadPerDeg, north * kRadPerDeg, east * kRadPerDeg};
 }
 
 inline std::vector<TileId> Ids(const std::vector<TileRecord>& tiles) {

@@ -9,7 +9,6 @@ namespace {
 
 constexpr const char* kRange = "range search";
 constexpr const char* kPlainSearch = "plain kNN";
-constexpr int kPaperNeighbors = 4;
 
 ExperimentOutcome RunNeighbors(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);

@@ -10,8 +10,6 @@
 namespace cairn {
 namespace {
 
-constexpr int kVotingNeighbors = 4;
-
 std::vector<Variant> VotingVariants(const std::vector<int>& neighbors) {
   std::vector<Variant> variants;
   for (const NamedFilter& filter : {kVoting, kVotingFlat, kCovisible}) {
@@ -30,11 +28,11 @@ ExperimentOutcome RunVotingVsCovisibility(const ExperimentContext& context) {
   const auto world = context.worlds->Get(StandardWorld(context), context.progress);
   const auto neighbors = context.Pick<std::vector<int>>({1, 4, 8}, {1, 2, 4, 8, 16, 32});
   const auto measured = MeasureVariants(*world, VotingVariants(neighbors), context);
-  const MeasuredVariant& voting = At(measured, kVoting.name, kVotingNeighbors);
-  const Interval at_four = ApDifference(voting, At(measured, kCovisible.name, kVotingNeighbors));
+  const MeasuredVariant& voting = At(measured, kVoting.name, kPaperNeighbors);
+  const Interval at_four = ApDifference(voting, At(measured, kCovisible.name, kPaperNeighbors));
   const Interval at_many = ApDifference(At(measured, kVoting.name, neighbors.back()),
                                         At(measured, kCovisible.name, neighbors.back()));
-  const Interval to_flat = ApDifference(voting, At(measured, kVotingFlat.name, kVotingNeighbors));
+  const Interval to_flat = ApDifference(voting, At(measured, kVotingFlat.name, kPaperNeighbors));
 
   ExperimentOutcome outcome;
   outcome.parameters = WorldParameters(*world);
@@ -47,8 +45,8 @@ ExperimentOutcome RunVotingVsCovisibility(const ExperimentContext& context) {
   outcome.sentence = fmt::format(
       "Voting in 4D is ahead of covisibility filtering by {} average precision at k = {} and by {} "
       "at k = {}. Voting in 4D is ahead of voting in 3D by {} at k = {}.",
-      DifferenceText(at_four), kVotingNeighbors, DifferenceText(at_many), neighbors.back(),
-      DifferenceText(to_flat), kVotingNeighbors);
+      DifferenceText(at_four), kPaperNeighbors, DifferenceText(at_many), neighbors.back(),
+      DifferenceText(to_flat), kPaperNeighbors);
   return outcome;
 }
 

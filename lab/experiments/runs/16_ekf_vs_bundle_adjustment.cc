@@ -46,7 +46,7 @@ std::string SpeedText(const Interval& speed, const std::string& fastest) {
 }
 
 // Judges one scene and appends the reason to `sentence`.
-Verdict JudgeAccuracy(const FusionScene& scene, std::string* sentence) {
+Verdict JudgeEstimator(const FusionScene& scene, std::string* sentence) {
   const size_t nearest = BestRival(scene, PositionRmseM);
   const size_t straightest = BestRival(scene, RotationRmseDeg);
   const size_t fastest = BestRival(scene, UpdateMs);
@@ -73,7 +73,7 @@ ExperimentOutcome RunEkfVsBundleAdjustment(const ExperimentContext& context) {
   outcome.table = EstimatorTable(scenes);
   outcome.figures = {SceneFigure("16_ekf_vs_bundle_adjustment", "Position after global updates",
                                  "position error, m (root mean square)", scenes, PositionRmseM)};
-  outcome.verdict = JudgeScenes(scenes, JudgeAccuracy, &outcome.sentence);
+  outcome.verdict = JudgeScenes(scenes, JudgeEstimator, &outcome.sentence);
   return outcome;
 }
 

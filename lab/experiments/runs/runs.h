@@ -6,6 +6,8 @@
 
 namespace cairn {
 
+inline constexpr int kPaperNeighbors = 4;  // The k of the paper.
+
 Experiment ObsVsIlpExperiment();
 Experiment FixedDescriptorsExperiment();
 Experiment DescriptorRatioExperiment();

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/quiet_ceres.h"
+#include "core/adjust/quiet_ceres.h"
 
 namespace cairn::fusion {
 namespace {

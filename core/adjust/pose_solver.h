@@ -1,7 +1,7 @@
-// How the system of the poses is solved, which is what an adjustment comes down to once the
-// landmarks are eliminated. Private to core/adjust.
-#ifndef CAIRN_CORE_ADJUST_POSE_SYSTEM_H_
-#define CAIRN_CORE_ADJUST_POSE_SYSTEM_H_
+// Chooses how an adjustment solves for the poses after the landmarks are eliminated. Private to
+// core/adjust.
+#ifndef CAIRN_CORE_ADJUST_POSE_SOLVER_H_
+#define CAIRN_CORE_ADJUST_POSE_SOLVER_H_
 
 #include <vector>
 
@@ -17,11 +17,11 @@ enum class PoseSolver {
   kIterations,  // Conjugate gradients.
 };
 
-// Returns what solves the system in the least time and memory. It depends on how many images share
-// landmarks with one another, of those that move and that decide.
+// Returns the solver that takes the least time and memory. It depends on how many images share
+// landmarks. Only images that move count, and only landmarks that move and decide.
 PoseSolver SolverOfPoses(const Reconstruction& model, const std::vector<LandmarkRole>& roles,
                          const AdjustPriors& priors);
 
 }  // namespace cairn
 
-#endif  // CAIRN_CORE_ADJUST_POSE_SYSTEM_H_
+#endif  // CAIRN_CORE_ADJUST_POSE_SOLVER_H_

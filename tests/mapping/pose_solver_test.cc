@@ -1,4 +1,4 @@
-#include "core/adjust/pose_system.h"
+#include "core/adjust/pose_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 namespace cairn {
 namespace {
 
-struct Sights {
+struct Visibility {
   Reconstruction model;
   AdjustPriors priors;
 
-  explicit Sights(int num_images) { model.images.resize(num_images); }
+  explicit Visibility(int num_images) { model.images.resize(num_images); }
 
   // Adds landmarks that all images from `first` to `last` see.
   void Add(int num_landmarks, int first, int last) {
@@ -28,8 +28,8 @@ struct Sights {
   }
 };
 
-Sights Walk(int num_images, int num_landmarks_each, int num_images_of_landmark) {
-  Sights walk(num_images);
+Visibility Walk(int num_images, int num_landmarks_each, int num_images_of_landmark) {
+  Visibility walk(num_images);
   for (int i = 0; i + num_images_of_landmark <= num_images; ++i) {
     walk.Add(num_landmarks_each, i, i + num_images_of_landmark - 1);
   }
@@ -37,7 +37,7 @@ Sights Walk(int num_images, int num_landmarks_each, int num_images_of_landmark) 
 }
 
 TEST(SolverOfPoses, IsDenseForPhotosOfOnePlace) {
-  Sights place(300);
+  Visibility place(300);
   place.Add(5, 0, 299);
   EXPECT_EQ(place.Solver(), PoseSolver::kDense);
 }
@@ -49,30 +49,33 @@ TEST(SolverOfPoses, FactorsALongWalkHoweverMuchItTakesToOrder) {
 }
 
 TEST(SolverOfPoses, IteratesForVeryManyPhotosOfOnePlace) {
-  Sights place(402);
+  Visibility place(402);
   place.Add(1, 0, 401);
   EXPECT_EQ(place.Solver(), PoseSolver::kIterations);
 }
 
-// Each photo shares landmarks with 99 or 198 of 400, and each landmark has 10,000 pairs.
+// Each photo shares landmarks with 99 to 198 of 400, and each landmark has 10,000 pairs.
 TEST(SolverOfPoses, IteratesIfAnOrderTakesMuchMemory) {
   EXPECT_EQ(Walk(400, 1, 100).Solver(), PoseSolver::kSparse);
   EXPECT_EQ(Walk(400, 4, 100).Solver(), PoseSolver::kIterations);
 }
 
 TEST(SolverOfPoses, CountsWhatMovesAndDecides) {
-  Sights place(402);
+  Visibility place(402);
   place.Add(1, 0, 401);
   place.priors.image_is_fixed.assign(402, 0);
   place.priors.image_is_fixed[0] = 1;
   EXPECT_EQ(place.Solver(), PoseSolver::kDense);
 
-  Sights walk = Walk(300, 5, 10);
+  Visibility walk = Walk(300, 5, 10);
   walk.Add(1, 0, 299);
   EXPECT_EQ(walk.Solver(), PoseSolver::kDense);
   std::vector<LandmarkRole> roles(walk.model.landmarks.size(), LandmarkRole::kDecides);
   roles.back() = LandmarkRole::kFollows;
   EXPECT_EQ(SolverOfPoses(walk.model, roles, walk.priors), PoseSolver::kSparse);
+  walk.priors.landmark_is_fixed.assign(walk.model.landmarks.size(), 0);
+  walk.priors.landmark_is_fixed.back() = 1;
+  EXPECT_EQ(walk.Solver(), PoseSolver::kSparse);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/adjust/pose_system.h"
+#include "core/adjust/pose_solver.h"
 
 #include <algorithm>
 #include <cmath>
