@@ -113,8 +113,8 @@ struct AdjustReport {
 //
 // The same result on any number of threads. Linear in the number of observations, apart from the
 // factorization of the poses' system, which is sparse where the scene is long and dense where all
-// photos see the same; hundreds of these are solved by iterations. Throws Error(kInternal) if the
-// solver fails.
+// photos see the same; hundreds of these are solved by iterations. If no step can be computed, the
+// poses and the landmarks stay where they are. Throws Error(kInternal) if the solver fails.
 AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const AdjustPriors& priors,
                     const AdjustOptions& options, Reconstruction& model);
 
