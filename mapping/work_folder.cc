@@ -13,6 +13,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "core/check.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/printable.h"
@@ -35,15 +36,17 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 33;
 
 // How the names of the files begin that a run writes: the stages' results, and the report. People
 // may keep other files in the folder.
-constexpr std::array<std::string_view, 9> kOwnPrefixes = {
-    "photo-",     "views-",    "focal-",      "again-",     "cameras.",
-    "corrected.", "segments.", "report.svg.", "report.png."};
+constexpr std::array<std::string_view, 11> kOwnPrefixes = {
+    "photo-",   "views-",     "focal-",    "again-",      "grown-",     "regrown-",
+    "cameras.", "corrected.", "segments.", "report.svg.", "report.png."};
+
+bool HasOwnPrefix(const std::string& name) {
+  return std::any_of(kOwnPrefixes.begin(), kOwnPrefixes.end(),
+                     [&](std::string_view prefix) { return name.starts_with(prefix); });
+}
 
 bool IsOwnUnfinished(const fs::path& path) {
-  const std::string name = path.filename().string();
-  return path.extension() == kUnfinishedSuffix &&
-         std::any_of(kOwnPrefixes.begin(), kOwnPrefixes.end(),
-                     [&](std::string_view prefix) { return name.starts_with(prefix); });
+  return path.extension() == kUnfinishedSuffix && HasOwnPrefix(path.filename().string());
 }
 
 void RemoveUnfinished(const std::string& path) {
@@ -107,6 +110,7 @@ std::optional<std::vector<uint8_t>> WorkFolder::Load(const std::string& name,
 
 void WorkFolder::Store(const std::string& name, const std::string& key,
                        std::span<const uint8_t> bytes) const {
+  CAIRN_CHECK(HasOwnPrefix(name + "."), "nobody would remove an unfinished file of this name");
   std::vector<uint8_t> file;
   file.reserve(bytes.size() + key.size() + 32);
   ByteWriter writer(&file);

@@ -2,14 +2,15 @@
 """Kills `cairn map` (SIGKILL) at moments that are spread evenly over each command, and runs it again.
 
   folder    one folder becomes a map
+  guessed   the same, with a focal length that nobody states
   folders   two folders become the sessions of a map
   join      a folder joins a map
   again     two folders, of which the map has one
 
 After each kill, the map is as before or as after the command, and `cairn check` is clean. The command
-succeeds when it is repeated with the same work folder, leaves the bytes of an undisturbed run, and no files
-but those of one. A session that joins may be numbered differently, because ids that a killed run reserved
-are not given out again. Prints a table; the exit code is 1 if a line is not met.
+succeeds when it is repeated with the same work folder and another number of threads, leaves the bytes of an
+undisturbed run, and no files but those of one. A session that joins may be numbered differently, because ids
+that a killed run reserved are not given out again. Prints a table; the exit code is 1 if a line is not met.
 
 Example:
   tests/deploy/check_map_kills.py build/release --kills 100
@@ -17,6 +18,7 @@ Example:
 
 import argparse
 import csv
+import itertools
 import os
 import pathlib
 import shutil
@@ -30,7 +32,8 @@ import check_faults
 WALKS = {"monday": range(0, 10, 2), "tuesday": range(1, 10, 2)}
 FEW_FEATURES = '{"mapping": {"sift": {"max_features": 600}}}'
 # What each command maps, and the folders of the map that it finds; none: it makes the map.
-RECIPES = {"folder": (["monday"], []), "folders": (["monday", "tuesday"], []),
+RECIPES = {"folder": (["monday"], []), "guessed": (["monday"], []),
+           "folders": (["monday", "tuesday"], []),
            "join": (["tuesday"], ["monday"]), "again": (["tuesday", "monday"], ["monday"])}
 
 
@@ -70,11 +73,12 @@ class MapCase(check_faults.Case):
         mapped, known = RECIPES[name]
         folder = scratch / name
         folder.mkdir()
+        camera = [] if name == "guessed" else ["--camera", "PINHOLE,480,360,320,320,240,180"]
+        threads = itertools.cycle(["1", "2"])
 
         def arguments(work, of_walks=mapped, stages="w"):
             return ["map", work / "town.gpkg", *[walks / walk for walk in of_walks], "--gps",
-                    scratch / "positions.csv", "--camera", "PINHOLE,480,360,320,320,240,180",
-                    "--options", scratch / "options.json", "--recorded", "2026-01-31T12:00:00Z",
+                    scratch / "positions.csv", *camera, "--threads", next(threads), "--options", scratch / "options.json", "--recorded", "2026-01-31T12:00:00Z",
                     "--work", work / stages]
 
         self.makes_map = not known

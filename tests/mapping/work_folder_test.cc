@@ -17,40 +17,40 @@ TEST(WorkFolder, KeepsBytesForTheirKey) {
   const testing::TempDir dir;
   {
     const WorkFolder folder(dir.path() / "w");
-    folder.Store("pairs", "key", kBytes);
+    folder.Store("views-00000", "key", kBytes);
   }
   const WorkFolder folder(dir.path() / "w");
-  EXPECT_EQ(folder.Load("pairs", "key"), kBytes);
-  EXPECT_FALSE(folder.Load("pairs", "another key"));
+  EXPECT_EQ(folder.Load("views-00000", "key"), kBytes);
+  EXPECT_FALSE(folder.Load("views-00000", "another key"));
   EXPECT_FALSE(folder.Load("segments", "key"));
 }
 
 TEST(WorkFolder, ReplacesBytes) {
   const testing::TempDir dir;
   const WorkFolder folder(dir.path());
-  folder.Store("pairs", "one", kBytes);
-  folder.Store("pairs", "two", {});
-  EXPECT_FALSE(folder.Load("pairs", "one"));
-  EXPECT_EQ(folder.Load("pairs", "two"), std::vector<uint8_t>());
+  folder.Store("views-00000", "one", kBytes);
+  folder.Store("views-00000", "two", {});
+  EXPECT_FALSE(folder.Load("views-00000", "one"));
+  EXPECT_EQ(folder.Load("views-00000", "two"), std::vector<uint8_t>());
 }
 
 TEST(WorkFolder, DoesNotTrustDamagedFiles) {
   const testing::TempDir dir;
   const WorkFolder folder(dir.path());
-  folder.Store("pairs", "key", kBytes);
-  const auto size = std::filesystem::file_size(folder.PathOf("pairs"));
+  folder.Store("views-00000", "key", kBytes);
+  const auto size = std::filesystem::file_size(folder.PathOf("views-00000"));
   for (const auto at : {uintmax_t{0}, uintmax_t{9}, uintmax_t{17}, size - 1}) {
-    folder.Store("pairs", "key", kBytes);
-    std::fstream file(folder.PathOf("pairs"), std::ios::in | std::ios::out | std::ios::binary);
+    folder.Store("views-00000", "key", kBytes);
+    std::fstream file(folder.PathOf("views-00000"), std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(static_cast<std::streamoff>(at));
     file.put('\xff');
     file.close();
-    EXPECT_FALSE(folder.Load("pairs", "key")) << at;
+    EXPECT_FALSE(folder.Load("views-00000", "key")) << at;
   }
   for (uintmax_t cut = 0; cut < size; ++cut) {
-    folder.Store("pairs", "key", kBytes);
-    std::filesystem::resize_file(folder.PathOf("pairs"), cut);
-    EXPECT_FALSE(folder.Load("pairs", "key")) << cut;
+    folder.Store("views-00000", "key", kBytes);
+    std::filesystem::resize_file(folder.PathOf("views-00000"), cut);
+    EXPECT_FALSE(folder.Load("views-00000", "key")) << cut;
   }
 }
 
@@ -66,11 +66,23 @@ TEST(WorkFolder, IsForOneRunAtATime) {
 }
 
 TEST(WorkFolder, RemovesWhatAKilledRunLeft) {
+  for (const std::string name :
+       {"photo-0123456789abcdef", "focal-00000", "cameras", "views-00000", "corrected",
+        "again-00000", "grown-0", "regrown-1-00000", "segments", "report.svg", "report.png"}) {
+    const testing::TempDir dir;
+    const auto left = dir.path() / (name + ".0123.part");
+    std::ofstream(left) << "half";
+    const WorkFolder folder(dir.path());
+    EXPECT_FALSE(std::filesystem::exists(left)) << name;
+    folder.Store(name, "key", kBytes);
+    EXPECT_EQ(folder.Load(name, "key"), kBytes) << name;
+  }
+}
+
+TEST(WorkFolder, StoresNothingThatTheNextRunWouldNotRemove) {
   const testing::TempDir dir;
-  const auto left = dir.path() / "views-00000.0123.part";
-  std::ofstream(left) << "half";
   const WorkFolder folder(dir.path());
-  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_DEATH(folder.Store("holiday", "key", kBytes), "unfinished file");
 }
 
 TEST(WorkFolder, KeepsUnfinishedFilesOfOthers) {
