@@ -308,7 +308,8 @@ class MapInquiry {
 };
 
 bool IsDecided(const MapComparison& comparison) {
-  return IsJudged(comparison) && 2 * comparison.fit.num_agreeing >= comparison.num_expected;
+  return IsJudged(comparison) && IsAnchored(comparison.anchoring) &&
+         2 * comparison.fit.num_agreeing >= comparison.num_expected;
 }
 
 }  // namespace

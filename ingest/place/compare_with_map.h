@@ -83,9 +83,9 @@ struct ComparisonOptions {
 
 // Localizes photos of the session by the features of the reconstruction: raw, or in the projected
 // space of the map's codebook. Asks for the expected photos first. If fewer than half of them agree
-// on one motion, asks for the sought photos, twelve of them first; the others only if the map
-// recognizes one. A session that is misplaced by more than 100 m is not found. Throws what the
-// engine throws on a damaged map.
+// on one motion, or if they do not anchor the session, asks for the sought photos, twelve of them
+// first; the others only if the map recognizes one. A session that is misplaced by more than 100 m
+// is not found. Throws what the engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
                              const KnownTiles& map, const ComparisonOptions& options);
 
