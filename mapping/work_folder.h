@@ -27,9 +27,9 @@ class WorkFolder {
   // stored for another key, or if they are damaged: the stage then runs again.
   std::optional<std::vector<uint8_t>> Load(const std::string& name, const std::string& key) const;
 
-  // `name` has no '/', and is one of docs/formats/mapping_work_v1.md: the unfinished file of another
-  // name would not be removed. Replaces what was stored under it. Throws Error(kIo), e.g. on a full
-  // disk.
+  // `name` has no '/', and is one of docs/formats/mapping_work_v1.md: the unfinished file of
+  // another name would not be removed. Replaces what was stored under it. Throws Error(kIo), e.g.
+  // on a full disk.
   void Store(const std::string& name, const std::string& key, std::span<const uint8_t> bytes) const;
 
   std::string PathOf(const std::string& name) const { return path_ + "/" + name; }

@@ -30,11 +30,11 @@ struct Known {
 // A point that both segments know.
 struct SharedPoint {
   std::array<Known, 2> known;  // In a and in b.
-  int first_sight = 0, end_sight = 0;
+  int first_observation = 0, end_observation = 0;
 };
 
 // A photo of one segment sees a shared point.
-struct Sight {
+struct SegmentObservation {
   int side = 0;  // 0: the photo is in a.
   int image = 0;
   int point = 0;
@@ -59,8 +59,8 @@ std::vector<std::pair<int, int>> LandmarkOfTrack(const TrackTable& tracks, const
 
 struct SharedScene {
   std::vector<SharedPoint> points;
-  std::vector<Sight> sights;                              // By point.
-  std::array<std::vector<std::vector<int>>, 2> of_image;  // Sights: [side][image].
+  std::vector<SegmentObservation> observations;           // By point.
+  std::array<std::vector<std::vector<int>>, 2> of_image;  // Observations: [side][image].
 };
 
 // Adds what one segment knows of the last point. False if that is nothing certain.
@@ -74,9 +74,9 @@ bool AddKnown(const Segment& segment, int side, int landmark_idx, SharedScene* s
   scene->points.back().known[side] = {landmark.x_in_world, uncertainty->covariance};
   for (size_t i = 0; i < observations.size(); ++i) {
     const PointObservation& seen = observations[i];
-    scene->sights.push_back({side, landmark.observations[i].image_idx,
-                             static_cast<int>(scene->points.size()) - 1, seen.camera,
-                             seen.cam_from_world, seen.pixel, seen.sigma_px});
+    scene->observations.push_back({side, landmark.observations[i].image_idx,
+                                   static_cast<int>(scene->points.size()) - 1, seen.camera,
+                                   seen.cam_from_world, seen.pixel, seen.sigma_px});
   }
   return true;
 }
@@ -89,20 +89,20 @@ SharedScene FindShared(const TrackTable& tracks, const Segment& a, const Segment
       ++(p->first < q->first ? p : q);
       continue;
     }
-    const int first = static_cast<int>(scene.sights.size());
-    scene.points.push_back({.known = {}, .first_sight = first});
+    const int first = static_cast<int>(scene.observations.size());
+    scene.points.push_back({.known = {}, .first_observation = first});
     if (AddKnown(a, 0, p->second, &scene) && AddKnown(b, 1, q->second, &scene)) {
-      scene.points.back().end_sight = static_cast<int>(scene.sights.size());
+      scene.points.back().end_observation = static_cast<int>(scene.observations.size());
     } else {
       scene.points.pop_back();
-      scene.sights.resize(first);
+      scene.observations.resize(first);
     }
     ++p, ++q;
   }
   scene.of_image = {std::vector<std::vector<int>>(a.model.images.size()),
                     std::vector<std::vector<int>>(b.model.images.size())};
-  for (int i = 0; i < static_cast<int>(scene.sights.size()); ++i) {
-    scene.of_image[scene.sights[i].side][scene.sights[i].image].push_back(i);
+  for (int i = 0; i < static_cast<int>(scene.observations.size()); ++i) {
+    scene.of_image[scene.observations[i].side][scene.observations[i].image].push_back(i);
   }
   return scene;
 }
@@ -114,8 +114,8 @@ struct Meeting {
 
 Meeting MeetingOf(const Sim3d& b_from_a) { return {{b_from_a.Inverse(), b_from_a}}; }
 
-// The error of a sight in standard deviations, whitened, with its derivative by a small similarity
-// after b_from_a: translation, rotation, logarithm of the scale.
+// The error of an observation in standard deviations, whitened, with its derivative by a small
+// similarity after b_from_a: translation, rotation, logarithm of the scale.
 struct WhiteError {
   Eigen::Vector2d error;
   Eigen::Matrix<double, 2, 7> jacobian;
@@ -130,7 +130,8 @@ class MeetingProblem {
   explicit MeetingProblem(const SharedScene& scene) : scene_(scene) {}
 
   int SampleModels(Random* random, std::array<Model, kMaxModels>* models) const {
-    const Sight& first = scene_.sights[random->Index(static_cast<int>(scene_.sights.size()))];
+    const SegmentObservation& first =
+        scene_.observations[random->Index(static_cast<int>(scene_.observations.size()))];
     const std::vector<int>& of_image = scene_.of_image[first.side][first.image];
     const int count = static_cast<int>(of_image.size());
     if (count < 3) {
@@ -176,16 +177,16 @@ class MeetingProblem {
     return std::pow(score / static_cast<double>(scene_.points.size()), 3);
   }
 
-  // Points of which more than half of the sights agree.
+  // Points of which more than half of the observations agree.
   std::vector<int> AgreeingPoints(const Model& model) const {
     std::vector<int> agreeing;
     for (int i = 0; i < static_cast<int>(scene_.points.size()); ++i) {
       const SharedPoint& point = scene_.points[i];
       int num_agreeing = 0;
-      for (int k = point.first_sight; k < point.end_sight; ++k) {
-        num_agreeing += Gain(model, scene_.sights[k]) > 0.0 ? 1 : 0;
+      for (int k = point.first_observation; k < point.end_observation; ++k) {
+        num_agreeing += Gain(model, scene_.observations[k]) > 0.0 ? 1 : 0;
       }
-      if (2 * num_agreeing > point.end_sight - point.first_sight) {
+      if (2 * num_agreeing > point.end_observation - point.first_observation) {
         agreeing.push_back(i);
       }
     }
@@ -193,16 +194,16 @@ class MeetingProblem {
   }
 
  private:
-  // The models of three sights of one image.
+  // The models of three observations of one image.
   int Solve(const std::array<int, 3>& sample, std::array<Model, kMaxModels>* models) const {
-    const int side = scene_.sights[sample[0]].side;
-    const Rigid3d& cam_from_own = scene_.sights[sample[0]].cam_from_own;
+    const int side = scene_.observations[sample[0]].side;
+    const Rigid3d& cam_from_own = scene_.observations[sample[0]].cam_from_own;
     std::array<Eigen::Vector3d, 3> bearings, x_in_other;
     std::array<double, 3> depths;
     for (int i = 0; i < 3; ++i) {
-      const Sight& sight = scene_.sights[sample[i]];
-      const SharedPoint& point = scene_.points[sight.point];
-      const auto ray = sight.camera->Unproject(sight.pixel);
+      const SegmentObservation& seen = scene_.observations[sample[i]];
+      const SharedPoint& point = scene_.points[seen.point];
+      const auto ray = seen.camera->Unproject(seen.pixel);
       if (!ray) {
         return 0;
       }
@@ -229,59 +230,58 @@ class MeetingProblem {
   }
 
   // Nothing if the point is not in the picture.
-  std::optional<WhiteError> ErrorOf(const Model& model, const Sight& sight) const {
-    const Sim3d& own_from_other = model.own_from_other[sight.side];
-    const Known& other = scene_.points[sight.point].known[1 - sight.side];
+  std::optional<WhiteError> ErrorOf(const Model& model, const SegmentObservation& seen) const {
+    const Sim3d& own_from_other = model.own_from_other[seen.side];
+    const Known& other = scene_.points[seen.point].known[1 - seen.side];
     const Eigen::Vector3d x_in_own = own_from_other * other.x_in_own;
     Eigen::Matrix<double, 2, 3> projection;
-    const auto pixel =
-        sight.camera->ProjectWithJacobian(sight.cam_from_own * x_in_own, &projection);
+    const auto pixel = seen.camera->ProjectWithJacobian(seen.cam_from_own * x_in_own, &projection);
     if (!pixel) {
       return std::nullopt;
     }
     const Eigen::Matrix3d turn = own_from_other.scale * own_from_other.rotation.toRotationMatrix();
     const Eigen::Matrix<double, 2, 3> by_own =
-        projection * sight.cam_from_own.rotation.toRotationMatrix();
+        projection * seen.cam_from_own.rotation.toRotationMatrix();
     const Eigen::Matrix<double, 2, 3> by_other = by_own * turn;
     Eigen::Matrix2d covariance = by_other * other.covariance * by_other.transpose();
-    covariance.diagonal().array() += std::pow(kPixelSlack * sight.sigma_px, 2);
+    covariance.diagonal().array() += std::pow(kPixelSlack * seen.sigma_px, 2);
     const Eigen::LLT<Eigen::Matrix2d> root(covariance);
     // A small similarity moves the point as b knows it.
-    const Eigen::Vector3d x_in_b = sight.side == 1 ? x_in_own : other.x_in_own;
+    const Eigen::Vector3d x_in_b = seen.side == 1 ? x_in_own : other.x_in_own;
     Eigen::Matrix<double, 3, 7> moved;
     moved << Eigen::Matrix3d::Identity(), -Skew(x_in_b), x_in_b;
     WhiteError white;
-    white.error = root.matrixL().solve(*pixel - sight.pixel);
+    white.error = root.matrixL().solve(*pixel - seen.pixel);
     const Eigen::Matrix<double, 2, 3> by_b =
-        sight.side == 1 ? by_own : Eigen::Matrix<double, 2, 3>(-by_other);
+        seen.side == 1 ? by_own : Eigen::Matrix<double, 2, 3>(-by_other);
     white.jacobian = root.matrixL().solve(by_b * moved);
     return white;
   }
 
-  double Gain(const Model& model, const Sight& sight) const {
-    const auto white = ErrorOf(model, sight);
+  double Gain(const Model& model, const SegmentObservation& seen) const {
+    const auto white = ErrorOf(model, seen);
     return white ? std::max(0.0, 1.0 - white->error.squaredNorm() /
                                            (kMaxMeetingSigmas * kMaxMeetingSigmas))
                  : 0.0;
   }
 
-  // The mean over the sights of a point.
+  // The mean over the observations of a point.
   double GainOf(const Model& model, int point_idx) const {
     const SharedPoint& point = scene_.points[point_idx];
     double sum = 0.0;
-    for (int i = point.first_sight; i < point.end_sight; ++i) {
-      sum += Gain(model, scene_.sights[i]);
+    for (int i = point.first_observation; i < point.end_observation; ++i) {
+      sum += Gain(model, scene_.observations[i]);
     }
-    return sum / (point.end_sight - point.first_sight);
+    return sum / (point.end_observation - point.first_observation);
   }
 
-  // A step of Gauss-Newton on Cauchy's loss over the sights that agree.
+  // A step of Gauss-Newton on Cauchy's loss over the observations that agree.
   Model Step(const Model& model) const {
     using Vector7d = Eigen::Matrix<double, 7, 1>;
     Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
     Vector7d gradient = Vector7d::Zero();
-    for (const Sight& sight : scene_.sights) {
-      const auto white = ErrorOf(model, sight);
+    for (const SegmentObservation& seen : scene_.observations) {
+      const auto white = ErrorOf(model, seen);
       const double sq_error = white ? white->error.squaredNorm() : 0.0;
       if (!white || sq_error > kMaxMeetingSigmas * kMaxMeetingSigmas) {
         continue;

@@ -41,7 +41,8 @@ TEST(WorkFolder, DoesNotTrustDamagedFiles) {
   const auto size = std::filesystem::file_size(folder.PathOf("views-00000"));
   for (const auto at : {uintmax_t{0}, uintmax_t{9}, uintmax_t{17}, size - 1}) {
     folder.Store("views-00000", "key", kBytes);
-    std::fstream file(folder.PathOf("views-00000"), std::ios::in | std::ios::out | std::ios::binary);
+    std::fstream file(folder.PathOf("views-00000"),
+                      std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(static_cast<std::streamoff>(at));
     file.put('\xff');
     file.close();
