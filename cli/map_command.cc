@@ -31,7 +31,7 @@ struct MapArguments : MapSessionArguments {
 
 void PrintMapped(const MapSessionResult& result) {
   if (result.is_mapped) {
-    PrintMappedPhotos(result.mapped);
+    PrintMappedPhotos(result);
   }
   if (result.is_in_map) {
     PrintIngestText(result.name, result.session.georegistration, result.report);

@@ -18,6 +18,7 @@
 
 #include "cli/ingest_placed.h"
 #include "cli/map_report.h"
+#include "cli/publish_parts.h"
 #include "cli/session_archive.h"
 #include "cli/session_replacement.h"
 #include "core/error.h"
@@ -26,6 +27,7 @@
 #include "core/replace_file.h"
 #include "ingest/maps/archive_folder.h"
 #include "ingest/place/position_checks.h"
+#include "mapping/session/stage_clock.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -99,12 +101,12 @@ std::vector<SessionInput> SessionInputs(const MapSessionArguments& arguments) {
 }
 
 // Whether the map has sessions, other than one that is replaced, that a new one may join.
-bool HasOthersToJoin(const std::optional<MapStore>& map, const MapSessionArguments& arguments,
+bool HasOthersToJoin(const MapStore& map, const MapSessionArguments& arguments,
                      const std::string& name) {
-  if (!map || arguments.session.apart) {
+  if (arguments.session.apart) {
     return false;
   }
-  const std::vector<SessionRecord> sessions = map->Snapshot().Sessions();
+  const std::vector<SessionRecord> sessions = map.Snapshot().Sessions();
   return std::any_of(sessions.begin(), sessions.end(),
                      [&](const SessionRecord& session) { return session.name != name; });
 }
@@ -183,7 +185,7 @@ void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
              const IngestProgress& progress, std::vector<MapSessionResult>* sessions) {
   std::vector<std::string> archived;
   const auto publish = [&](MapStore* store) {
-    const auto publish_one = [&](const PlacedReconstruction& session) {
+    const auto publish_placed = [&](const PlacedReconstruction& session) {
       CheckReplacement(store->Snapshot(), session, HasSessionName(arguments.session));
       const std::unique_ptr<SessionArchive> archive =
           OpenSessionArchive(arguments.archive_path, session.options.session_name, *store);
@@ -193,6 +195,14 @@ void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
       return IngestPlaced(session, arguments.session.options, archive.get(),
                           ForSession(progress, session.options.session_name, sessions->size()),
                           store);
+    };
+    const auto publish_one = [&](MapSessionResult* result) {
+      StageClock clock("publication", &result->mapped.stages);
+      IngestReport report = HasOthersToJoin(*store, arguments, result->name)
+                                ? PublishParts(store->Snapshot(), publish_placed, result)
+                                : publish_placed(result->session);
+      clock.End(/*from_work=*/false);
+      return report;
     };
     PublishInTurn(publish_one, store->Snapshot().Sessions().empty(), sessions);
   };
@@ -271,7 +281,7 @@ bool HasOthersAbout(const MapSnapshot& map, const std::string& name, const Geode
 void RequireRightWayRound(const std::optional<MapStore>& map, const MapSessionArguments& arguments,
                           std::vector<MapSessionResult>* sessions) {
   for (MapSessionResult& session : *sessions) {
-    if (!session.is_mapped || !HasOthersToJoin(map, arguments, session.name)) {
+    if (!map || !session.is_mapped || !HasOthersToJoin(*map, arguments, session.name)) {
       continue;
     }
     const Geodetic place =
@@ -292,11 +302,10 @@ void RequireRightWayRound(const std::optional<MapStore>& map, const MapSessionAr
 
 // Maps one folder and places it by its positions.
 MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                           bool one_segment, const IngestProgress& progress) {
+                           const IngestProgress& progress) {
   const CairnOptions& options = arguments.session.options;
   MapPhotosInput photos = input.photos;
   photos.num_threads = options.ingest.num_threads;
-  photos.one_segment = one_segment;
   MapSessionResult result;
   result.name = input.name;
   result.mapped = MapPhotos(photos, options.mapping, options.georegister, progress);
@@ -310,7 +319,7 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
 MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
                               const IngestProgress& progress) {
   try {
-    return MapFolder(arguments, input, /*one_segment=*/!arguments.session.apart, progress);
+    return MapFolder(arguments, input, progress);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
       throw;
@@ -330,8 +339,7 @@ std::vector<MapSessionResult> MakeSessions(const MapSessionArguments& arguments,
   CheckEarly(arguments, inputs, map.has_value());
   std::vector<MapSessionResult> sessions;
   if (inputs.size() == 1) {
-    const bool joins = HasOthersToJoin(map, arguments, inputs.front().name);
-    sessions.push_back(MapFolder(arguments, inputs.front(), joins, progress));
+    sessions.push_back(MapFolder(arguments, inputs.front(), progress));
   } else {
     for (const SessionInput& input : inputs) {
       sessions.push_back(

@@ -59,10 +59,12 @@ void PrintSegments(const MappedPhotos& mapped) {
     }
     fmt::print(
         "segment          {} photos; {} observations of landmarks, {:.2f} px rms; placed by {} "
-        "positions, "
-        "{:.2f} m median\n",
+        "positions, {:.2f} m median{}\n",
         segment.num_photos, segment.adjustment.num_observations, segment.adjustment.rms_px,
-        segment.georegistration.num_positions, segment.georegistration.median_residual_m);
+        segment.georegistration.num_positions, segment.georegistration.median_residual_m,
+        segment.moved_by_map_m > 0.0
+            ? fmt::format("; moved by the map, by {:.2f} m", segment.moved_by_map_m)
+            : "");
   }
 }
 
@@ -79,27 +81,30 @@ void PrintCameras(const std::vector<CameraReport>& cameras) {
   }
 }
 
-}  // namespace
+// A session that follows the map has its size.
+bool FollowsMap(const MapSessionResult& result) {
+  return result.is_in_map && !result.report.is_unchanged && IsJudged(result.report.comparison);
+}
 
-void PrintMappedPhotos(const MappedPhotos& mapped) {
-  fmt::print("photos           {} of {} in the map\n", mapped.num_mapped, mapped.num_photos);
-  PrintLeftOut(mapped.left_out);
-  PrintSegments(mapped);
-  PrintCameras(mapped.cameras);
-  fmt::print("scale            from the positions\n");
-  for (const std::string& note : mapped.notes) {
-    fmt::print("note             {}\n", note);
-  }
-  for (const StageCost& stage : mapped.stages) {
-    fmt::print("stage            {:<14} {:>5.1f} s, {:.0f} MB{}\n", stage.name, stage.seconds,
-               stage.peak_megabytes, stage.from_work ? ", from the work folder" : "");
+void PrintScale(const MapSessionResult& result) {
+  const auto& segments = result.mapped.segments;
+  const bool moved_apart = std::ranges::any_of(
+      segments, [](const SegmentReport& segment) { return segment.moved_by_map_m > 0.0; });
+  if (!FollowsMap(result)) {
+    fmt::print("scale            from the positions\n");
+  } else if (moved_apart) {
+    fmt::print("scale            from the map\n");
+  } else {
+    fmt::print("scale            from the map, {:.3f} times that of the positions\n",
+               result.report.comparison.fit.scale);
   }
 }
 
-nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped) {
+nlohmann::ordered_json MappedPhotosJson(const MapSessionResult& result) {
+  const MappedPhotos& mapped = result.mapped;
   nlohmann::ordered_json json = {{"found", mapped.num_photos},
                                  {"mapped", mapped.num_mapped},
-                                 {"scale", "positions"},
+                                 {"scale", FollowsMap(result) ? "map" : "positions"},
                                  {"notes", mapped.notes}};
   json["leftOut"] = nlohmann::ordered_json::array();
   for (const LeftOutPhoto& photo : mapped.left_out) {
@@ -112,6 +117,7 @@ nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped) {
       entry["observations"] = segment.adjustment.num_observations;
       entry["rmsPx"] = segment.adjustment.rms_px;
       entry["georegistration"] = GeoregistrationJson(segment.georegistration);
+      entry["movedByMapM"] = segment.moved_by_map_m;
     } else {
       entry["problem"] = segment.problem;
     }
@@ -138,10 +144,29 @@ nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped) {
   return json;
 }
 
+}  // namespace
+
+void PrintMappedPhotos(const MapSessionResult& result) {
+  const MappedPhotos& mapped = result.mapped;
+  fmt::print("photos           {} of {} in the map\n", mapped.num_mapped, mapped.num_photos);
+  PrintLeftOut(mapped.left_out);
+  PrintSegments(mapped);
+  PrintCameras(mapped.cameras);
+  PrintScale(result);
+  for (const std::string& note : mapped.notes) {
+    fmt::print("note             {}\n", note);
+  }
+  for (const StageCost& stage : mapped.stages) {
+    fmt::print("stage            {:<14} {:>5.1f} s, at most {:.0f} MB so far{}\n", stage.name,
+               stage.seconds, stage.peak_megabytes,
+               stage.from_work ? ", from the work folder" : "");
+  }
+}
+
 nlohmann::ordered_json MapSessionJson(const MapSessionResult& result) {
   nlohmann::ordered_json json;
   if (result.is_mapped) {
-    json["photos"] = MappedPhotosJson(result.mapped);
+    json["photos"] = MappedPhotosJson(result);
   }
   if (result.is_in_map) {
     json["ingest"] = IngestJson(result.name, result.session.georegistration, result.report);

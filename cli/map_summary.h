@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "cli/publish_in_turn.h"
-#include "mapping/session/map_photos.h"
 
 namespace cairn {
 
-void PrintMappedPhotos(const MappedPhotos& mapped);
-nlohmann::ordered_json MappedPhotosJson(const MappedPhotos& mapped);
+// The photos of a session and what became of them.
+void PrintMappedPhotos(const MapSessionResult& result);
 
 // A session with its photos and what it became; or why it is not in the map.
 nlohmann::ordered_json MapSessionJson(const MapSessionResult& result);

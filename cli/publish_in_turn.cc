@@ -20,7 +20,7 @@ bool TryPublish(const PublishOne& publish, Unanchored unanchored, MapSessionResu
     session->session.options.agreement.unanchored = unanchored;
   }
   try {
-    session->report = publish(session->session);
+    session->report = publish(session);
   } catch (const SessionRefused& error) {
     session->problem = error.what();
     return false;
@@ -60,7 +60,7 @@ void PublishInTurn(const PublishOne& publish, bool map_is_empty,
                    std::vector<MapSessionResult>* sessions) {
   if (sessions->size() == 1) {
     MapSessionResult& alone = sessions->front();
-    alone.report = publish(alone.session);
+    alone.report = publish(&alone);
     alone.is_in_map = true;
     return;
   }

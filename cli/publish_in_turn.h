@@ -23,8 +23,9 @@ struct MapSessionResult {
   IngestReport report;  // If it is.
 };
 
-// Publishes one session with its options. Throws as IngestSession.
-using PublishOne = std::function<IngestReport(const PlacedReconstruction& session)>;
+// Publishes the `session` of a result with its options. May write into `session` and `mapped` what
+// became of its parts. Throws as IngestSession.
+using PublishOne = std::function<IngestReport(MapSessionResult* result)>;
 
 // Sorts the sessions, most mapped photos first, then by name: what follows does not depend on the
 // order in which they were named.

@@ -361,11 +361,7 @@ PlannedSession PlanSession(const Reconstruction& reconstruction, const Sim3d& ec
                            const IngestProgress& progress) {
   options.Validate();
   reconstruction.Validate();
-  const PlacedSession placed =
-      PlaceSession(reconstruction, ecef_from_world,
-                   {.min_observations = options.selection.min_observations,
-                    .max_sigma_m = options.max_sigma_m,
-                    .max_reprojection_error_px = options.max_reprojection_error_px});
+  const PlacedSession placed = PlaceSession(reconstruction, ecef_from_world, PlacementOf(options));
   PlannedSession planned;
   planned.reconstruction = &reconstruction;
   planned.base = std::make_shared<const MapSnapshot>(store->Snapshot());

@@ -198,6 +198,12 @@ void RequireSmallMotion(const MapComparison& comparison, const AgreementOptions&
 
 }  // namespace
 
+PlacementOptions PlacementOf(const IngestOptions& options) {
+  return {.min_observations = options.selection.min_observations,
+          .max_sigma_m = options.max_sigma_m,
+          .max_reprojection_error_px = options.max_reprojection_error_px};
+}
+
 PositionAccuracies AccuracyOf(const MapComparison& comparison, double stated_m,
                               double median_residual_m, const std::vector<SessionRecord>& map) {
   const std::vector<SessionId>& known = comparison.known_sessions;

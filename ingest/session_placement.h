@@ -13,6 +13,9 @@
 
 namespace cairn {
 
+// Which landmarks of a session are good enough.
+PlacementOptions PlacementOf(const IngestOptions& options);
+
 // How well the positions on Earth are known: radii that contain 68 % of them, meters; 0: unknown.
 struct PositionAccuracies {
   double session_m = 0.0;

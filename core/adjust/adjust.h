@@ -101,7 +101,8 @@ struct AdjustReport {
 
 // Changes the poses, the landmarks and, as `freedom_of_camera` (one for each camera) allows, the
 // cameras of `model`. The unknowns minimize the robust reprojection errors, in units of the
-// keypoints' standard deviations, plus the priors. docs/math/mapping.md has the residuals.
+// keypoints' standard deviations, plus the priors. docs/math/mapping_adjustment.md has
+// the residuals.
 //
 // Observations that do not fit leave `model`, and landmarks of fewer than two observations leave it
 // with them, so landmarks change their indices; their order stays. Images stay, even without an

@@ -1,5 +1,5 @@
 // The residuals of the adjustment, with analytic Jacobians, and the manifold of poses. Private to
-// core/adjust; docs/math/mapping.md derives them.
+// core/adjust; docs/math/mapping_adjustment.md derives them.
 #ifndef CAIRN_CORE_ADJUST_ADJUST_COSTS_H_
 #define CAIRN_CORE_ADJUST_ADJUST_COSTS_H_
 

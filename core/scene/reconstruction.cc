@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/printable.h"
@@ -85,6 +86,29 @@ int Reconstruction::descriptor_dim() const {
     }
   }
   return 0;
+}
+
+Reconstruction SelectImages(const Reconstruction& all, const std::vector<int>& image_idxs) {
+  Reconstruction selected;
+  selected.descriptor_type = all.descriptor_type;
+  selected.cameras = all.cameras;
+  std::vector<int> new_idx(all.images.size(), -1);
+  for (const int image_idx : image_idxs) {
+    new_idx[image_idx] = static_cast<int>(selected.images.size());
+    selected.images.push_back(all.images[image_idx]);
+  }
+  for (const ReconLandmark& landmark : all.landmarks) {
+    ReconLandmark seen = {landmark.x_in_world, {}};
+    for (const ReconObservation& observation : landmark.observations) {
+      if (const int image_idx = new_idx[observation.image_idx]; image_idx >= 0) {
+        seen.observations.push_back({image_idx, observation.keypoint_idx});
+      }
+    }
+    if (!seen.observations.empty()) {
+      selected.landmarks.push_back(std::move(seen));
+    }
+  }
+  return selected;
 }
 
 }  // namespace cairn

@@ -51,6 +51,9 @@ struct Reconstruction {
   void Validate() const;
 };
 
+// Returns these images in this order, with all cameras, and the landmarks that are seen in them.
+Reconstruction SelectImages(const Reconstruction& all, const std::vector<int>& image_idxs);
+
 }  // namespace cairn
 
 #endif  // CAIRN_CORE_SCENE_RECONSTRUCTION_H_

@@ -93,7 +93,6 @@ class Mapper {
   std::string views_key_, segments_key_;
   std::vector<MappingCamera> cameras_as_read_;  // Those of the set before Calibrate().
   std::optional<std::vector<std::pair<int, int>>> pairs_;
-  std::vector<int> photo_of_image_;  // Of the model.
   MappedPhotos result_;
 };
 
@@ -282,13 +281,6 @@ void Mapper::Place(const Growth& growth) {
 void Mapper::PlaceOne(const Segment& segment) {
   const PlacedSegment placed =
       PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
-  if (input_.one_segment && !result_.model.images.empty()) {
-    LeaveOut(segment,
-             "has a place of its own, but a session joins the map as one piece; map these photos "
-             "alone, with a --session of their own",
-             "needs a --session of its own: map these photos alone");
-    return;
-  }
   Add(placed);
   std::ranges::move(NotesOnOutliers(placed.georegistration), std::back_inserter(result_.notes));
   result_.segments.push_back({.num_photos = static_cast<int>(segment.photo_of_image.size()),
@@ -332,7 +324,8 @@ void Mapper::Add(const PlacedSegment& placed) {
     image.cam_from_world = CamFromTarget(image.cam_from_world, world_from_segment);
     const int photo = placed.segment.photo_of_image[i];
     result_.center_of_photo[photo] = image.cam_from_world.Inverse().translation;
-    photo_of_image_.push_back(photo);
+    result_.photo_of_image.push_back(photo);
+    result_.segment_of_image.push_back(static_cast<int>(result_.segments.size()));
     model.images.push_back(std::move(image));
   }
   for (ReconLandmark landmark : part.landmarks) {
@@ -353,7 +346,7 @@ void Mapper::FillImages() {
     }
   }
   for (size_t i = 0; i < result_.model.images.size(); ++i) {
-    ByteDescriptorMatrix& descriptors = folder_.set.photos[photo_of_image_[i]].descriptors;
+    ByteDescriptorMatrix& descriptors = folder_.set.photos[result_.photo_of_image[i]].descriptors;
     result_.model.images[i].features.descriptors = PackedDescriptors(std::move(descriptors));
   }
   result_.num_mapped = static_cast<int>(result_.model.images.size());

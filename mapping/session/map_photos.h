@@ -46,11 +46,8 @@ struct MapPhotosInput {
   // Of the heights; unset: sea level for EXIF, the ellipsoid for a CSV.
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.
-  // Only the largest segment that has a place becomes part of the model. For a session that joins a
-  // map: the map moves a session as one piece, but segments are placed apart from each other.
-  bool one_segment = false;
-  std::string work_dir;  // Empty: nothing is kept.
-  int num_threads = 1;   // The result does not depend on it.
+  std::string work_dir;                   // Empty: nothing is kept.
+  int num_threads = 1;                    // The result does not depend on it.
 };
 
 struct StageCost {
@@ -67,6 +64,9 @@ struct SegmentReport {
   std::string problem = {};  // Why it is not in the model; empty if it is.
   Georegistration georegistration = {};
   AdjustReport adjustment = {};
+  // How far the map moved it from where its positions placed it, at the middle of its cameras. 0
+  // for a session of one segment, which moves as a whole.
+  double moved_by_map_m = 0.0;
 };
 
 // What was found out about a camera of the set.
@@ -78,9 +78,11 @@ struct CameraReport {
 };
 
 struct MappedPhotos {
-  // All segments that have a place, or the largest (MapPhotosInput::one_segment), in one frame:
-  // east-north-up at `ecef_from_world`'s origin.
+  // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin. The
+  // positions alone place them beside each other.
   Reconstruction model;
+  std::vector<int> segment_of_image;  // Of the model's images: the number in `segments`.
+  std::vector<int> photo_of_image;    // Of the model's images: the photo of the set.
   Sim3d ecef_from_world;
   // Of the largest placed segment; but `accuracy`, `stated_accuracy_m` and `median_residual_m` are
   // the worst of the placed segments.

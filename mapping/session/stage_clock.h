@@ -1,4 +1,4 @@
-// What the stages of a map cost. Private to mapping/session.
+// What the stages of a map cost.
 #ifndef CAIRN_MAPPING_SESSION_STAGE_CLOCK_H_
 #define CAIRN_MAPPING_SESSION_STAGE_CLOCK_H_
 

@@ -5,13 +5,17 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/map_session.h"
+#include "cli/map_summary.h"
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "mapping/photo_scene.h"
+#include "storage/map/map_store.h"
 #include "support/expect_error.h"
 #include "support/temp_dir.h"
 
@@ -51,6 +55,19 @@ class MapFolders : public ::testing::Test {
 
   std::vector<MapSessionResult> Map(const std::vector<std::string>& folders) const {
     return MakeMapSessions(Arguments(folders), {});
+  }
+
+  // Where the photos of a map stand, ECEF.
+  std::map<std::string, Eigen::Vector3d> CentersIn(const std::string& map_name) const {
+    const MapStore map = MapStore::Open(dir_.File(map_name), OpenMode::kReadOnly);
+    std::map<std::string, Eigen::Vector3d> centers;
+    for (const SessionRecord& session : map.Snapshot().Sessions()) {
+      for (const KeyframeRecord& keyframe : map.Snapshot().KeyframesOfSession(session.id)) {
+        centers[session.name + "/" + keyframe.image_name] =
+            keyframe.cam_from_ecef.Inverse().translation;
+      }
+    }
+    return centers;
   }
 
   std::string ReadAll(const std::string& name) const {
@@ -119,6 +136,70 @@ TEST_F(MapFolders, OfOneNameAreRefused) {
         Map({"monday", "more/monday"});
       },
       ErrorCode::kInvalidArgument, "two folders have the name monday");
+}
+
+TEST_F(MapFolders, BecomeSessionsOfOneMapInAnyOrder) {
+  const std::vector<MapSessionResult> sessions = Map({"monday", "tuesday"});
+  ASSERT_EQ(sessions.size(), 2u);
+  EXPECT_TRUE(sessions[0].is_in_map);
+  ASSERT_TRUE(sessions[1].is_in_map) << sessions[1].problem;
+  EXPECT_TRUE(IsAnchored(sessions[1].report.comparison.anchoring));
+  EXPECT_LT(sessions[1].report.comparison.fit.median_residual_m, 0.05);
+
+  MapSessionArguments turned = Arguments({"tuesday", "monday"});
+  turned.session.map_path = dir_.File("turned.gpkg");
+  turned.session.options.ingest.num_threads = 1;
+  MakeMapSessions(turned, {});
+  const auto centers = CentersIn("town.gpkg");
+  EXPECT_EQ(centers.size(), 20u);
+  EXPECT_EQ(centers, CentersIn("turned.gpkg"));
+}
+
+TEST_F(MapFolders, SayWhatBecameOfTheirPhotos) {
+  const nlohmann::ordered_json json = MapSessionsJson(Map({"monday", "tuesday"}));
+  ASSERT_EQ(json["sessions"].size(), 2u);
+  const nlohmann::ordered_json& first = json["sessions"][0]["photos"];
+  const nlohmann::ordered_json& second = json["sessions"][1]["photos"];
+  EXPECT_EQ(first["found"], 11);
+  EXPECT_EQ(first["mapped"], 11);
+  EXPECT_EQ(first["leftOut"].size(), 0u);
+  EXPECT_EQ(first["scale"], "positions");
+  EXPECT_EQ(second["scale"], "map");
+  EXPECT_NEAR(first["cameras"][0]["params"][0].get<double>(), 284.0, 3.0);
+  EXPECT_EQ(first["cameras"][0]["focalSource"], "EXIF");
+  EXPECT_EQ(first["stages"].front()["name"], "photos");
+  EXPECT_EQ(first["stages"].back()["name"], "publication");
+  EXPECT_GT(first["stages"].back()["processorSeconds"], 0.0);
+}
+
+TEST_F(MapFolders, JoinPartByPart) {
+  testing::WriteFolder(PhotoScene(7), testing::Walk(17), dir_.path() / "sunday");
+  // Two ends of the wall, each with an error of its positions of its own.
+  std::vector<Shot> ends = testing::Walk(16);
+  for (int i = 0; i < 16; ++i) {
+    Shot& shot = ends[i];
+    shot.x_in_enu = {i < 8 ? -16.0 + i : 1.0 + i, 0.5 + 0.2 * (i % 2), 1.7};
+    shot.gps_error_m = 0.1 * shot.gps_error_m +
+                       (i < 8 ? Eigen::Vector3d(1.2, 0.6, 0.3) : Eigen::Vector3d(-0.9, -0.8, 0.2));
+    shot.exif.error_m = 0.7;
+  }
+  testing::WriteFolder(PhotoScene(7), ends, dir_.path() / "ends");
+  const std::vector<MapSessionResult> sessions = Map({"sunday", "ends"});
+  ASSERT_EQ(sessions.size(), 2u);
+  ASSERT_TRUE(sessions[1].is_in_map) << sessions[1].problem;
+  EXPECT_EQ(sessions[1].mapped.num_mapped, 16);
+  ASSERT_EQ(sessions[1].mapped.segments.size(), 2u);
+  const auto centers = CentersIn("town.gpkg");
+  for (const SegmentReport& segment : sessions[1].mapped.segments) {
+    EXPECT_EQ(segment.problem, "");
+    EXPECT_GT(segment.moved_by_map_m, 0.3);
+  }
+  // The two ends are as far from each other as they are, by the size of the map.
+  const auto distance = [&](const std::string& p, const std::string& q) {
+    return (centers.at(p) - centers.at(q)).norm();
+  };
+  const double size = distance("sunday/photo100.png", "sunday/photo116.png") / 32.0;
+  EXPECT_NEAR(distance("ends/photo100.png", "ends/photo115.png") / 32.0, size, 0.005);
 }
 
 TEST_F(MapFolders, AreOneSessionUnderAName) {

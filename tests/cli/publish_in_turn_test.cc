@@ -40,7 +40,8 @@ class Town {
 
   Names PublishAll(std::vector<MapSessionResult>* sessions, bool is_empty = true) {
     SortSessions(sessions);
-    PublishInTurn([this](const auto& session) { return Publish(session); }, is_empty, sessions);
+    PublishInTurn([this](MapSessionResult* result) { return Publish(result->session); }, is_empty,
+                  sessions);
     return published_;
   }
 
@@ -122,7 +123,7 @@ TEST(PublishInTurn, OtherFailuresEndTheCommand) {
     testing::ExpectError(
         [&] {
           PublishInTurn(
-              [&](const PlacedReconstruction&) -> IngestReport {
+              [&](MapSessionResult*) -> IngestReport {
                 ++num_tried;
                 throw Error(code, "no luck");
               },

@@ -1,0 +1,26 @@
+// A session of photos whose parts nothing connects joins a map.
+#ifndef CAIRN_CLI_PUBLISH_PARTS_H_
+#define CAIRN_CLI_PUBLISH_PARTS_H_
+
+#include <functional>
+
+#include "cli/publish_in_turn.h"
+#include "cli/session_arguments.h"
+#include "ingest/ingest_report.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+
+// Publishes a session as it is. Throws as IngestSession.
+using PublishPlaced = std::function<IngestReport(const PlacedReconstruction& session)>;
+
+// Moves the segments of the photos to where the map sees them, each by itself (FitParts), and then
+// publishes them as one session. Says in `mapped` how far segments moved, and which of them stay
+// out; `session` becomes what was published. A session of one segment is published as it is. If
+// `publish` throws, `result` is as before.
+IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
+                          MapSessionResult* result);
+
+}  // namespace cairn
+
+#endif  // CAIRN_CLI_PUBLISH_PARTS_H_

@@ -1,0 +1,38 @@
+// Moves the parts of a session to where a map sees them.
+#ifndef CAIRN_INGEST_FIT_PARTS_H_
+#define CAIRN_INGEST_FIT_PARTS_H_
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/rigid3.h"
+#include "core/scene/reconstruction.h"
+#include "ingest/ingest_options.h"
+#include "ingest/place/compare_with_map.h"
+#include "storage/map/map_store.h"
+
+namespace cairn {
+
+// Images of a reconstruction that share no landmark with its other images. Its positions alone
+// placed the part, meters beside the others.
+struct SessionPart {
+  std::vector<int> images;   // Of the reconstruction that FitParts was given; ascending.
+  std::string problem = {};  // Why the part is no longer in the reconstruction; empty if it is.
+  MapComparison comparison = {};
+};
+
+// An ingest moves a session as one piece, which is wrong for several parts. This moves each of them
+// by itself; `part_of_image` has the number of each image's part. A part that the map anchors and
+// does not contradict (RequireAgreement, Unanchored::kRefuseAlways) moves by the motion of its
+// comparison; other parts leave the reconstruction. If the map anchors no part, nothing moves: all
+// parts stay if the map is too far away to be asked about any of them, and else only the one with
+// the most images. A session of the map with the name of `options` has no say. Returns the parts by
+// number. Throws what the engine throws on a damaged map.
+std::map<int, SessionPart> FitParts(const MapSnapshot& map, const std::vector<int>& part_of_image,
+                                    const Sim3d& ecef_from_world, const IngestOptions& options,
+                                    Reconstruction* reconstruction);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_FIT_PARTS_H_
