@@ -31,8 +31,7 @@ class Server {
   // Opens the file at map_path again. Requests that are running keep the map that they started
   // with. If the file holds another map, new requests use the new map. If there is no map, the old
   // map stays in use and /healthz reports the problem. Between Start and Stop, the server finds a
-  // new file within about a second without this call. Only a file that was overwritten in place
-  // needs the call.
+  // new map within about two seconds without this call.
   void ReloadMap();
 
   // Reads the file of API keys again. If it cannot be read, logs why and keeps the keys. Does

@@ -21,10 +21,22 @@ constexpr char kMountedAlone[] =
     "the map file is mounted without its folder; updates may stay invisible";
 constexpr char kMountTheFolder[] = "mount the folder of the map, and name the file in it";
 
-// Returns the time of the last write; for a PostgreSQL URL, some constant.
-std::filesystem::file_time_type WriteTime(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::last_write_time(path, error);
+// True if queries that read this open map see this version of the map with this name.
+bool SeesVersion(const ServedMap& map, MapVersion version) {
+  try {
+    return map.store().Snapshot().version() == version;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// True if `next`, opened just now, is the map that `open` reads. The pages that `open` keeps in
+// memory show an old version if the file was overwritten by a copy of the same map.
+bool IsSameMap(const ServedMap& next, const ServedMap& open) {
+  const bool is_file = !open.store().LogPath().empty();
+  return next.created_at == open.created_at &&
+         Value(next.version_when_opened) >= Value(open.version_when_opened) &&
+         (!is_file || SeesVersion(open, next.version_when_opened));
 }
 
 std::string Alphanumeric(std::string text) {
@@ -33,6 +45,12 @@ std::string Alphanumeric(std::string text) {
 }
 
 }  // namespace
+
+FileStamp FileStamp::Of(const std::string& path) {
+  std::error_code error;
+  return {.written_at = std::filesystem::last_write_time(path, error),
+          .num_bytes = std::filesystem::file_size(path, error)};
+}
 
 // A copy of a map that was changed on its own keeps the date and the payload ids of the original.
 // The tag therefore also covers the recorded facts about the tile's contents.
@@ -53,6 +71,7 @@ std::string ServedMap::TileTag(const TileRecord& tile) const {
 
 ServedMaps::ServedMaps(const ServedMapOptions& options)
     : options_(options), current_(Open(OpenMode::kServing)) {
+  checked_ = current_->stamp;
   if (current_->is_mounted_alone) {
     SetProblem(kMountedAlone, kMountTheFolder);
   }
@@ -64,7 +83,7 @@ std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode) const {
 }
 
 std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileCache> cache) const {
-  const std::filesystem::file_time_type written_at = WriteTime(options_.path);
+  const FileStamp stamp = FileStamp::Of(options_.path);
   auto store = std::make_shared<const MapStore>(MapStore::Open(options_.path, mode));
   auto localizer = std::make_unique<Localizer>(store, options_.localizer, std::move(cache));
   const MapSnapshot snapshot = store->Snapshot();
@@ -76,7 +95,7 @@ std::shared_ptr<ServedMap> ServedMaps::Open(OpenMode mode, std::shared_ptr<TileC
                 .version_when_opened = info.version,
                 .is_stand_in = mode == OpenMode::kImmutable,
                 .is_mounted_alone = IsMountPoint(options_.path),
-                .written_at = written_at,
+                .stamp = stamp,
                 .log = std::make_shared<const PinnedFile>(store->LogPath())});
 }
 
@@ -119,7 +138,7 @@ void ServedMaps::Look(bool is_forced) {
     } else if (current->is_mounted_alone) {
       FollowMountedFile(*current);
     } else {
-      SetProblem("", "");
+      FollowWrites(*current);
     }
   } catch (const std::exception& error) {
     SetProblem("the map file cannot be opened; the server keeps serving an older map",
@@ -133,6 +152,8 @@ bool ServedMaps::ReleaseReplaced() {
 }
 
 void ServedMaps::ReplaceCurrent(std::shared_ptr<const ServedMap> next) {
+  checked_ = next->stamp;
+  unsettled_.reset();
   std::unique_lock lock(mutex_);
   current_.swap(next);
   lock.unlock();
@@ -160,20 +181,41 @@ void ServedMaps::TakeReplacement() {
 
 void ServedMaps::TakeOverwritten() {
   std::shared_ptr<ServedMap> next = Open(OpenMode::kServing);
-  const std::shared_ptr<const ServedMap> old = Current();
-  // An open map sees its own updates; reopening is not needed.
-  const bool is_same = next->created_at == old->created_at &&
-                       Value(next->version_when_opened) >= Value(old->version_when_opened);
-  LogInfo("{} was opened again: {}", options_.path,
-          is_same ? "the same map" : "another map, now being served");
-  if (!is_same) {
-    ReplaceCurrent(std::move(next));
+  if (IsSameMap(*next, *Current())) {
+    LogInfo("{} was opened again: the same map", options_.path);
+    SetProblem("", "");
+  } else {
+    Take(std::move(next));
   }
+}
+
+void ServedMaps::Take(std::shared_ptr<ServedMap> next) {
+  LogInfo("{} was opened again: another map, now being served", options_.path);
+  ReplaceCurrent(std::move(next));
   SetProblem("", "");
 }
 
+void ServedMaps::FollowWrites(const ServedMap& current) {
+  if (FileStamp::Of(options_.path) == checked_) {
+    return SetProblem("", "");
+  }
+  std::shared_ptr<ServedMap> next = Open(OpenMode::kServing);
+  if (IsSameMap(*next, current)) {
+    checked_ = next->stamp;
+    unsettled_.reset();
+    return SetProblem("", "");
+  }
+  if (unsettled_ == next->stamp) {
+    return Take(std::move(next));
+  }
+  unsettled_ = next->stamp;
+  SetProblem("the map file was overwritten; its new map is served when it no longer changes",
+             "write maps to another name and rename them, because queries of this moment may see "
+             "both maps");
+}
+
 void ServedMaps::FollowMountedFile(const ServedMap& current) {
-  if (WriteTime(options_.path) != current.written_at) {
+  if (FileStamp::Of(options_.path) != current.stamp) {
     LogInfo("{} has changed: opening it again", options_.path);
     ReplaceCurrent(Open(OpenMode::kServing));
   }

@@ -3,9 +3,11 @@
 #define CAIRN_HTTP_SERVICE_SERVED_MAP_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,15 @@
 #include "storage/map/pinned_file.h"
 
 namespace cairn {
+
+// What changes if somebody writes to a file. For a PostgreSQL URL, some constant.
+struct FileStamp {
+  std::filesystem::file_time_type written_at;
+  uintmax_t num_bytes = 0;
+
+  static FileStamp Of(const std::string& path);
+  bool operator==(const FileStamp&) const = default;
+};
 
 // An open map file. A query that holds a ServedMap uses this file even after another file has
 // replaced it.
@@ -28,7 +39,7 @@ struct ServedMap {
   // does it. The write-ahead log of its writers is then invisible, and so is a file that takes the
   // name in the folder.
   bool is_mounted_alone = false;
-  std::filesystem::file_time_type written_at;  // Of the file when it was opened.
+  FileStamp stamp;                        // Of the file just before it was opened.
   std::shared_ptr<const PinnedFile> log;  // The write-ahead log beside the file, if there was one.
 
   const MapStore& store() const { return localizer->map(); }
@@ -52,11 +63,12 @@ class ServedMaps {
 
   std::shared_ptr<const ServedMap> Current() const;
 
-  // Checks whether another file has taken the map's path. If that file is a map, serves it from
-  // then on; otherwise keeps the old map. Call Refresh about once a second. Does not throw.
+  // Checks whether another file has taken the map's path, or the file was overwritten in place, as
+  // `cp` does it. If there is another map then, serves it from then on; otherwise keeps the old
+  // map. A map in an overwritten file is served when the file has not changed between two calls.
+  // Call Refresh about once a second. Does not throw.
   void Refresh();
-  // Like Refresh, but opens the file even if it seems unchanged, because it may have been
-  // overwritten in place. Serves the file if it holds another map.
+  // Like Refresh, but opens the file even if it seems unchanged or still changes.
   void Reload();
 
   // Returns the reason why the served map is not the file at its path or is not kept up to date.
@@ -73,6 +85,10 @@ class ServedMaps {
   void ReplaceCurrent(std::shared_ptr<const ServedMap> next);
   void TakeReplacement();
   void TakeOverwritten();
+  void Take(std::shared_ptr<ServedMap> next);
+  // Opens the file again if it has changed. The change may be an update of the map, which the open
+  // map sees, or a copy over the map. SQLite would mix pages of the two.
+  void FollowWrites(const ServedMap& current);
   // Opens a map that is mounted alone again if its file has changed. SQLite would mix old and new
   // pages, because it learns of changes from the log only.
   void FollowMountedFile(const ServedMap& current);
@@ -81,8 +97,10 @@ class ServedMaps {
   void SetProblem(const std::string& problem, const std::string& detail);
 
   const ServedMapOptions options_;
-  std::mutex look_mutex_;     // Held during a check; guards the next three members.
-  bool must_reload_ = false;  // Reload found a file that cannot be opened.
+  std::mutex look_mutex_;               // Held during a check; guards the next five members.
+  bool must_reload_ = false;            // Reload found a file that cannot be opened.
+  FileStamp checked_;                   // Of the file when it last held the served map.
+  std::optional<FileStamp> unsettled_;  // Of a file with another map that may be incomplete.
   std::vector<std::shared_ptr<const ServedMap>> replaced_;
   std::shared_ptr<const PinnedFile>
       replaced_log_;          // The log of the map that the stand-in replaced.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sqlite3.h>
 #include <sys/mount.h>
 
 #include <atomic>
@@ -44,6 +45,22 @@ class ServedMapFiles : public ::testing::Test {
     MakeMap(next_path_, session);
     fs::rename(next_path_, path_);
   }
+  static void SetCreationTime(const std::string& path, const std::string& time) {
+    sqlite3* db = nullptr;
+    EXPECT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
+    const std::string sql = "UPDATE cairn_map SET created_at = '" + time + "'";
+    EXPECT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(db);
+  }
+  // The bytes of the file change, as `cp` does it.
+  void Overwrite(const std::string& from, uintmax_t num_bytes) {
+    std::ifstream source(from, std::ios::binary);
+    std::string bytes(num_bytes, '\0');
+    source.read(bytes.data(), static_cast<std::streamsize>(num_bytes));
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+    // The clock of files has a coarse tick.
+    fs::last_write_time(path_, fs::last_write_time(path_) + std::chrono::seconds(++num_written_));
+  }
   static std::string Sessions(const ServedMap& map) {
     std::string names;
     for (const SessionRecord& session : map.store().Snapshot().Sessions()) {
@@ -58,6 +75,7 @@ class ServedMapFiles : public ::testing::Test {
   testing::TempDir dir_;
   const std::string path_ = dir_.File("map.gpkg");
   const std::string next_path_ = dir_.File("next.gpkg");
+  int num_written_ = 0;
 };
 
 TEST_F(ServedMapFiles, AFileThatTakesTheNameIsServed) {
@@ -181,6 +199,55 @@ TEST_F(ServedMapFiles, ReloadKeepsTheTilesOfAMapThatIsTheSame) {
   AddSession("tuesday", &writer);
   maps.Reload();
   EXPECT_EQ(maps.Current(), before);
+}
+
+TEST_F(ServedMapFiles, AMapThatIsCopiedOverTheFileIsServedWhenItIsComplete) {
+  ServedMaps maps({.path = path_});
+  MakeMap(next_path_, "tuesday");
+  SetCreationTime(next_path_, "2026-11-24T00:00:00Z");  // Both maps are made in one second.
+  const auto num_bytes = fs::file_size(next_path_);
+  EXPECT_EQ(Sessions(*maps.Current()), "monday ");
+  Overwrite(next_path_, num_bytes / 2);
+  maps.Refresh();
+  EXPECT_THAT(maps.Problem(), HasSubstr("cannot be opened"));
+  Overwrite(next_path_, num_bytes);
+  maps.Refresh();
+  EXPECT_THAT(maps.Problem(), HasSubstr("overwritten"));
+  maps.Refresh();
+  EXPECT_EQ(maps.Problem(), "");
+  EXPECT_EQ(Sessions(*maps.Current()), "tuesday ");
+  ExpectSound(*maps.Current());
+}
+
+TEST_F(ServedMapFiles, ANewerCopyOverTheFileIsServed) {
+  fs::copy_file(path_, next_path_);
+  {
+    MapStore writer = MapStore::Open(next_path_, OpenMode::kReadWrite);
+    AddSession("tuesday", &writer);
+  }
+  ServedMaps maps({.path = path_});
+  EXPECT_EQ(Sessions(*maps.Current()), "monday ");
+  Overwrite(next_path_, fs::file_size(next_path_));
+  maps.Refresh();
+  maps.Refresh();
+  EXPECT_EQ(maps.Problem(), "");
+  EXPECT_EQ(Sessions(*maps.Current()), "monday tuesday ");
+  ExpectSound(*maps.Current());
+}
+
+TEST_F(ServedMapFiles, UpdatesInTheFileAreNoOtherMap) {
+  ServedMaps maps({.path = path_});
+  const std::shared_ptr<const ServedMap> before = maps.Current();
+  {
+    MapStore writer = MapStore::Open(path_, OpenMode::kReadWrite);
+    AddSession("tuesday", &writer);
+  }
+  fs::last_write_time(path_, fs::last_write_time(path_) + std::chrono::seconds(1));
+  maps.Refresh();
+  EXPECT_EQ(maps.Problem(), "");
+  maps.Refresh();
+  EXPECT_EQ(maps.Current(), before);
+  EXPECT_EQ(Sessions(*maps.Current()), "monday tuesday ");
 }
 
 TEST_F(ServedMapFiles, TagsTellTilesOfCopiesApart) {
