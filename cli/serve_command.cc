@@ -165,6 +165,7 @@ ExitCode RunServe(const CairnOptions& arguments) {
   ShareHeapsAmongThreads();
   SetUpMemoryReserve(kMemoryReserveBytes);
   AllowOpenFiles();
+  std::signal(SIGPIPE, SIG_IGN);  // `cairn serve 2>&1 | tee log` may lose its reader.
   const SignalQueue signals;
   SignalQueue::Block(SIG_BLOCK);
   Server server(options);
