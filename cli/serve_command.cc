@@ -27,6 +27,7 @@
 #include "cli/options_file.h"
 #include "cli/shell.h"
 #include "core/error.h"
+#include "core/log_sink.h"
 #include "core/logging.h"
 #include "core/memory_reserve.h"
 #include "core/parallel_for.h"
@@ -88,6 +89,13 @@ class SignalQueue {
  private:
   int read_end_ = -1;
 };
+
+// The log of `cairn serve 2>&1 | tee log` may lose its reader, which would end the process, or the
+// reader may stop reading, which would halt every thread that logs.
+void OutliveReadersOfTheLog() {
+  std::signal(SIGPIPE, SIG_IGN);
+  SetLogWaits(false);
+}
 
 // Connections and maps need more open files than the default limit of 1,024. A process may raise
 // its own limit.
@@ -165,7 +173,7 @@ ExitCode RunServe(const CairnOptions& arguments) {
   ShareHeapsAmongThreads();
   SetUpMemoryReserve(kMemoryReserveBytes);
   AllowOpenFiles();
-  std::signal(SIGPIPE, SIG_IGN);  // `cairn serve 2>&1 | tee log` may lose its reader.
+  OutliveReadersOfTheLog();
   const SignalQueue signals;
   SignalQueue::Block(SIG_BLOCK);
   Server server(options);

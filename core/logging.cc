@@ -1,11 +1,11 @@
 #include "core/logging.h"
 
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <memory>
 #include <string>
 
+#include "core/log_sink.h"
 #include "core/printable.h"
 
 namespace cairn {
@@ -29,8 +29,7 @@ spdlog::level::level_enum SpdlogLevel(LogLevel level) {
 
 spdlog::logger& Logger() {
   static const std::shared_ptr<spdlog::logger> logger = [] {
-    auto made = std::make_shared<spdlog::logger>("cairn",
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    auto made = std::make_shared<spdlog::logger>("cairn", LogSink());
     made->set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
     return made;
   }();

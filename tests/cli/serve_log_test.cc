@@ -1,4 +1,4 @@
-// Tests `cairn serve` when the reader of its log goes away.
+// Tests `cairn serve` when the reader of its log goes away or does not read.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -55,6 +55,17 @@ TEST_F(ServeLog, MayLoseItsReader) {
   CloseReader();
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(client.Get("/livez"), R"({"status":"ok"})");
+  }
+  EXPECT_EQ(server.Stop(SIGTERM), 0);
+}
+
+TEST_F(ServeLog, MayHaveAReaderThatDoesNotRead) {
+  constexpr int kPipeBytes = 4096, kLineBytes = 40;
+  ASSERT_GE(fcntl(pipe_[1], F_SETPIPE_SZ, kPipeBytes), kPipeBytes);
+  BackgroundCairn server = Serve();
+  LocalizeClient client(ClientOptions{.url = server.ReadLine(), .timeout_ms = 5'000});
+  for (int i = 0; i < 2 * kPipeBytes / kLineBytes; ++i) {
+    client.Get("/livez");
   }
   EXPECT_EQ(server.Stop(SIGTERM), 0);
 }
