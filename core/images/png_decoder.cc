@@ -13,9 +13,11 @@ namespace cairn {
 namespace {
 
 constexpr png_uint_32 kRowsBetweenStops = 16;
-// Bytes of the file between two polls. They may inflate to a thousand times as many, which the last
-// row reads to their end.
+// Bytes of the file between two polls. They may inflate to a thousand times as many.
 constexpr size_t kBytesBetweenStops = size_t{16} << 10;
+// Bytes that the library reads behind the last row. Sound files have a few there: two checksums,
+// and perhaps empty chunks. The library would inflate whatever else there is.
+constexpr size_t kMaxTailBytes = 4096;
 constexpr png_alloc_size_t kMaxChunkBytes = 8'000'000;  // libpng's own default.
 constexpr png_uint_32 kMaxKeptChunks = 16;
 
@@ -27,10 +29,13 @@ struct PngRun {
   const ImageDecodeLimits& limits;
   uint8_t* pixels = nullptr;
   size_t num_bytes_since_stop = 0;
+  bool is_at_last_row = false, has_all_rows = false;
+  size_t num_tail_bytes = 0;  // Read behind the last row.
 
   png_structp png = nullptr;
   png_infop info = nullptr;
   bool stopped = false;
+  bool has_long_tail = false;  // Which ended the decoding after its last row.
   bool out_of_memory = false;
   std::array<char, 200> message = {};
 };
@@ -51,8 +56,25 @@ void ExitIfStopped(PngRun* run) {
   }
 }
 
+void LimitTail(size_t num_bytes, PngRun* run) {
+  run->num_tail_bytes += num_bytes;
+  if (run->num_tail_bytes > kMaxTailBytes) {
+    run->has_long_tail = true;
+    png_longjmp(run->png, 1);
+  }
+}
+
+// The library has a row, and reads no byte before it has put the row into the image.
+void OnRow(png_structp png, png_row_infop, png_bytep) {
+  auto* run = static_cast<PngRun*>(png_get_io_ptr(png));
+  run->has_all_rows = run->is_at_last_row;
+}
+
 void ReadBytes(png_structp png, png_bytep target, size_t num_bytes) {
   auto* run = static_cast<PngRun*>(png_get_io_ptr(png));
+  if (run->has_all_rows) {
+    LimitTail(num_bytes, run);
+  }
   if (num_bytes > run->rest.size()) {
     png_error(png, "it is cut short");
   }
@@ -106,6 +128,7 @@ void SetConversions(png_structp png, png_infop info) {
     png_set_expand_gray_1_2_4_to_8(png);
   }
   png_set_rgb_to_gray(png, PNG_ERROR_ACTION_NONE, 0.299, 0.587);
+  png_set_read_user_transform_fn(png, OnRow);
 }
 
 void ReadRows(PngRun* run, int num_passes) {
@@ -116,6 +139,10 @@ void ReadRows(PngRun* run, int num_passes) {
       if (y % kRowsBetweenStops == 0) {
         ExitIfStopped(run);
       }
+      run->is_at_last_row = pass == num_passes - 1 && y == height - 1;
+      if (run->is_at_last_row && num_passes > 1 && y % 2 == 0) {
+        return;  // The last pass of an interlaced image has the odd rows only.
+      }
       png_read_row(run->png, run->pixels + y * width, nullptr);
     }
   }
@@ -124,7 +151,7 @@ void ReadRows(PngRun* run, int num_passes) {
 // Returns false if an error or `should_stop` ended the decoding.
 bool Decode(PngRun* run) {
   if (setjmp(png_jmpbuf(run->png)) != 0) {
-    return false;
+    return run->has_long_tail;
   }
   png_set_read_fn(run->png, run, ReadBytes);
   SetLimits(run);
