@@ -19,7 +19,7 @@
 namespace cairn {
 
 struct ClientOptions {
-  std::string url;           // "http://host:port" or "https://host:port".
+  std::string url;           // As BoundedClientOptions::url.
   std::string ca_file = {};  // PEM file of the certificates to trust; empty: those of the system.
   std::string api_key = {};  // As BoundedClientOptions::api_key.
   bool allow_plain_key = false;  // As BoundedClientOptions::allow_plain_key.

@@ -183,7 +183,7 @@ inline constexpr char kClient[] = R"(Client(url, api_key=None, *, ca_file=None, 
 A server that answers queries: `cairn serve`. Keeps its connection. Threads that ask at once wait
 for each other; use a Client for each.
 
-url: 'http://host:port' or 'https://host:port'.
+url: 'http://host:port' or 'https://host:port', with a path if a front serves the API under it.
 api_key: sent with each request; over plain http only to this machine, unless allow_plain_key.
 ca_file: PEM file of the certificates to trust instead of the system's.
 timeout_ms: for each exchange.)";

@@ -19,7 +19,7 @@
 namespace cairn::fusion {
 
 struct MapTransportOptions {
-  std::string url;           // "http://host:port" or "https://host:port".
+  std::string url;           // As BoundedClientOptions::url.
   std::string ca_file = {};  // PEM file of the certificates to trust; empty: those of the system.
   // API key for the server; empty: none. It goes over plain http to this machine only, unless
   // allow_plain_key is set: everybody on the way could read it.

@@ -187,11 +187,17 @@ std::optional<std::chrono::seconds> ClientResponse::RetryAfter() const {
 
 struct BoundedClient::Impl {
   explicit Impl(const BoundedClientOptions& client_options)
-      : options(client_options), http(MakeClient(client_options)) {}
+      : options(Validated(client_options)),
+        url(ParseServerUrl(options.url)),
+        http(MakeClient(options, url)) {}
 
-  static std::unique_ptr<GuardedClient> MakeClient(const BoundedClientOptions& options) {
+  static const BoundedClientOptions& Validated(const BoundedClientOptions& options) {
     options.Validate();
-    const ServerUrl url = ParseServerUrl(options.url);
+    return options;
+  }
+
+  static std::unique_ptr<GuardedClient> MakeClient(const BoundedClientOptions& options,
+                                                   const ServerUrl& url) {
     return std::make_unique<GuardedClient>(
         url, url.is_secure ? std::make_unique<const TlsContext>(options.ca_file) : nullptr);
   }
@@ -223,6 +229,7 @@ struct BoundedClient::Impl {
   }
 
   BoundedClientOptions options;
+  ServerUrl url;
   std::unique_ptr<GuardedClient> http;
 };
 
@@ -240,7 +247,7 @@ ClientResponse BoundedClient::Send(ClientRequest request) {
   bool is_too_long = false;
   httplib::Request message;
   message.method = std::move(request.method);
-  message.path = std::move(request.path);
+  message.path = impl_->url.prefix + request.path;
   message.headers.insert(request.headers.begin(), request.headers.end());
   if (!impl_->options.api_key.empty()) {
     message.headers.emplace("Authorization", "Bearer " + impl_->options.api_key);

@@ -13,7 +13,7 @@
 namespace cairn {
 
 struct BoundedClientOptions {
-  std::string url;  // "http://host:port" or "https://host:port".
+  std::string url;  // As ParseServerUrl reads it, for example "http://host:port".
   // PEM file with the certificates to trust instead of the system's; only for https.
   std::string ca_file = {};
   // Sent with each request as "Authorization: Bearer"; empty: none. No message contains it.
@@ -32,7 +32,7 @@ struct BoundedClientOptions {
 
 struct ClientRequest {
   std::string method = "GET";
-  std::string path;  // Begins with a slash.
+  std::string path;  // Begins with a slash; follows the prefix of the URL.
   std::vector<std::pair<std::string, std::string>> headers = {};
   std::string body = {};
 };

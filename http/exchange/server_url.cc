@@ -3,12 +3,14 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/wire/header_line.h"
 
 namespace cairn {
 namespace {
@@ -48,23 +50,48 @@ bool SplitHostAndPort(std::string_view authority, ServerUrl* url) {
   return port && !url->host.empty();
 }
 
+// Visible ASCII, which needs no escape in the first line of a request.
+bool IsPath(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) {
+    return c > ' ' && c <= '~' && c != '?' && c != '#' && c != '\\';
+  });
+}
+
+// Moves what follows the authority of "authority/prefix/" to the URL.
+bool SplitPrefix(std::string_view* authority, ServerUrl* url) {
+  const size_t slash = std::min(authority->find('/'), authority->size());
+  std::string_view prefix = authority->substr(slash);
+  *authority = authority->substr(0, slash);
+  while (prefix.ends_with('/')) {
+    prefix.remove_suffix(1);
+  }
+  url->prefix = prefix;
+  return IsPath(prefix);
+}
+
+bool StartsWithScheme(std::string_view url, std::string_view scheme) {
+  return ToLowerAscii(url.substr(0, scheme.size())) == scheme;
+}
+
 }  // namespace
 
 ServerUrl ParseServerUrl(const std::string& url) {
   ServerUrl parsed;
   std::string_view authority = url;
-  parsed.is_secure = authority.starts_with(kSecure);
+  parsed.is_secure = StartsWithScheme(authority, kSecure);
   const std::string_view scheme = parsed.is_secure ? kSecure : kPlain;
   parsed.port = parsed.is_secure ? kSecurePort : kPlainPort;
-  if (authority.starts_with(scheme)) {
+  if (StartsWithScheme(authority, scheme)) {
     authority.remove_prefix(scheme.size());
-    if (authority.find_first_of("/?#@ \\\r\n\t") == std::string_view::npos &&
+    if (SplitPrefix(&authority, &parsed) &&
+        authority.find_first_of("?#@ \\\r\n\t") == std::string_view::npos &&
         SplitHostAndPort(authority, &parsed)) {
       return parsed;
     }
   }
   throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{} is not a server address; write http://host:port or https://host:port",
+              fmt::format("{} is not a server address; write http://host:port, https://host:port, "
+                          "or https://host/prefix if a front serves the API under a path",
                           Excerpt(url)));
 }
 

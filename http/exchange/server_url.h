@@ -10,10 +10,13 @@ struct ServerUrl {
   bool is_secure = false;  // https
   std::string host;        // A name, an IPv4 address, or an IPv6 address without brackets.
   int port = 0;
+  // The path under which a front serves the API, as "/vps", without a slash at its end; or empty.
+  std::string prefix;
 };
 
-// Reads "http://host:port" or "https://host:port"; without a port it is 80 or 443. An IPv6 address
-// stands in brackets. Throws Error(kInvalidArgument) for anything else.
+// Reads "http://host:port" or "https://host:port/prefix", the scheme in any case; without a port it
+// is 80 or 443. An IPv6 address stands in brackets. Throws Error(kInvalidArgument) for anything
+// else.
 ServerUrl ParseServerUrl(const std::string& url);
 
 // Returns true if what is sent to this host, a name or an address, does not leave the machine:

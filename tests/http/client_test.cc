@@ -107,8 +107,18 @@ TEST(LocalizeClient, SaysWhenNoServerAnswers) {
   }
 }
 
+TEST(LocalizeClient, AsksUnderThePathOfTheUrl) {
+  std::string path;
+  const testing::CannedServer server(
+      [&](const httplib::Request& request, httplib::Response&) { path = request.path; });
+  LocalizeClient({.url = server.url() + "/"}).Get("/version");
+  EXPECT_EQ(path, "/version");
+  LocalizeClient({.url = server.url() + "/vps/"}).Get("/version");
+  EXPECT_EQ(path, "/vps/version");
+}
+
 TEST(LocalizeClient, RefusesUrlsThatAreNone) {
-  for (const char* url : {"", "http://", "localhost:8080", "ftp://h", "http://h/path"}) {
+  for (const char* url : {"", "http://", "localhost:8080", "ftp://h", "http://h/a b"}) {
     EXPECT_THROW(LocalizeClient({.url = url}), Error) << url;
   }
 }
