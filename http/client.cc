@@ -13,6 +13,7 @@
 
 #include "core/cell_name.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/wire/feature_codec.h"
 #include "core/wire/json_reader.h"
 #include "core/wire/multipart.h"
@@ -121,9 +122,20 @@ std::string TextOf(const JsonReader& problem, const char* name) {
   return member && member->IsString() ? member->String() : "";
 }
 
-// The explanation of a refused request.
-std::string Explanation(const ClientResponse& response) {
+// Where a redirect sends requests: the address of a server if the redirect keeps their path.
+std::string NewAddress(const std::string& location, const std::string& path) {
+  const bool keeps_path = location.size() > path.size() && location.ends_with(path);
+  return Excerpt(keeps_path ? location.substr(0, location.size() - path.size()) : location);
+}
+
+// The explanation of a refused request for `path`.
+std::string Explanation(const ClientResponse& response, const std::string& path) {
   std::string text = fmt::format("the server answered {}", response.status);
+  const std::string location = response.Header("Location");
+  if (response.status / 100 == 3 && !location.empty()) {
+    return fmt::format("{} and points to {}; give that address, because redirects are not followed",
+                       text, NewAddress(location, path));
+  }
   const JsonDocument document = ParseRefusal(response.body);
   if (document.empty() || !JsonReader(document).IsObject()) {
     return text;
@@ -233,7 +245,7 @@ struct LocalizeClient::Impl {
     }
     if (response.status != 200) {
       throw ServerRefusal(CodeOfStatus(response.status),
-                          WithoutKey(Explanation(response), options.api_key) +
+                          WithoutKey(Explanation(response, request.path), options.api_key) +
                               AdviceOnKey(response.status, !options.api_key.empty()),
                           response.status);
     }

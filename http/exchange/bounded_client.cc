@@ -16,6 +16,7 @@
 #include "core/printable.h"
 #include "core/require.h"
 #include "http/exchange/channel.h"
+#include "http/exchange/http_date.h"
 #include "http/exchange/response_guard.h"
 #include "http/exchange/server_url.h"
 #include "http/exchange/tls.h"
@@ -145,6 +146,13 @@ class GuardedClient final : public httplib::ClientImpl {
   std::string failure_;
 };
 
+std::optional<std::chrono::seconds> ParseSeconds(std::string_view text) {
+  int seconds = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  const bool is_number = error == std::errc() && end == text.data() + text.size() && seconds >= 0;
+  return is_number ? std::optional(std::chrono::seconds(seconds)) : std::nullopt;
+}
+
 }  // namespace
 
 void BoundedClientOptions::Validate() const {
@@ -176,13 +184,16 @@ std::string ClientResponse::Header(const std::string& name) const {
 std::optional<std::chrono::seconds> ClientResponse::RetryAfter() const {
   constexpr int kTooManyRequests = 429;
   const std::string text = Header("Retry-After");
-  int seconds = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  if (status != kTooManyRequests || error != std::errc() || end != text.data() + text.size() ||
-      seconds < 0) {
+  std::optional<std::chrono::seconds> pause = ParseSeconds(text);
+  if (const auto date = ParseHttpDate(text)) {
+    const auto now = ParseHttpDate(Header("Date"));
+    pause = *date - now.value_or(
+                        std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
+  }
+  if (status != kTooManyRequests || !pause) {
     return std::nullopt;
   }
-  return std::chrono::seconds(std::max(seconds, 1));  // A server may say 0 for ever.
+  return std::max(*pause, std::chrono::seconds(1));  // A server may say 0 for ever.
 }
 
 struct BoundedClient::Impl {

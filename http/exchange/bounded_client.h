@@ -47,8 +47,9 @@ struct ClientResponse {
   // Returns the first value of a header, whose name is compared without case; empty if missing.
   std::string Header(const std::string& name) const;
 
-  // If there were too many requests (429): the number of seconds in Retry-After, after which the
-  // next one may come. Nothing for other responses, and without such a number.
+  // If there were too many requests (429): the number of seconds after which the next one may come,
+  // by Retry-After. A date there counts from the response's own Date, or without one from the clock
+  // of this machine. Nothing for other responses, and without such a header.
   std::optional<std::chrono::seconds> RetryAfter() const;
 };
 

@@ -304,11 +304,20 @@ TEST(ClientResponse, SaysWhenToReturn) {
   };
   EXPECT_EQ(pause(429, "17"), std::chrono::seconds(17));
   EXPECT_EQ(pause(429, "0"), std::chrono::seconds(1));
-  for (const char* text :
-       {"", "-1", "soon", "1.5", "99999999999", "Thu, 26 Nov 2026 09:00:00 GMT"}) {
+  for (const char* text : {"", "-1", "soon", "1.5", "99999999999", "Thu, 26 Nov 2026 09:00 GMT"}) {
     EXPECT_EQ(pause(429, text), std::nullopt) << text;
   }
   EXPECT_EQ(pause(200, "17"), std::nullopt);
+}
+
+TEST(ClientResponse, ADateToReturnCountsFromThatOfTheResponse) {
+  ClientResponse response;
+  response.status = 429;
+  response.headers = {{"Date", "Thu, 26 Nov 2026 23:59:50 GMT"},
+                      {"Retry-After", "Fri, 27 Nov 2026 00:00:20 GMT"}};
+  EXPECT_EQ(response.RetryAfter(), std::chrono::seconds(30));
+  response.headers[1].second = "Thu, 26 Nov 2026 00:00:00 GMT";
+  EXPECT_EQ(response.RetryAfter(), std::chrono::seconds(1));
 }
 
 }  // namespace

@@ -138,6 +138,19 @@ Error ErrorFor(int status, const std::string& body, const std::string& key = "ca
   return Error(ErrorCode::kInternal, "no error");
 }
 
+TEST(LocalizeClient, SaysWhereARedirectPoints) {
+  const testing::CannedServer server([&](const httplib::Request&, httplib::Response& response) {
+    response.status = 301;
+    response.set_header("Location", "https://map.example/vps/version");
+  });
+  try {
+    LocalizeClient({.url = server.url()}).Get("/version");
+    ADD_FAILURE() << "answered";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("301 and points to https://map.example/vps; give that"));
+  }
+}
+
 TEST(LocalizeClient, NeverRepeatsItsKey) {
   const std::string echo =
       R"({"detail":"unknown: cairn_abc","hint":"is cairn_abccairn_abc right?"})";
