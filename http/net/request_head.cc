@@ -36,6 +36,19 @@ std::string_view TakeLine(std::string_view* rest) {
   return line;
 }
 
+// The path and query of a target that names scheme and host, as clients of a proxy send it: a
+// server must accept that form (RFC 9112 section 3.2.2). Other targets stay as they are.
+std::string OriginForm(std::string_view target) {
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (ToLowerAscii(target.substr(0, scheme.size())) == scheme) {
+      const size_t end = target.find_first_of("/?", scheme.size());
+      const std::string_view rest = end == std::string_view::npos ? "" : target.substr(end);
+      return (rest.starts_with('/') ? "" : "/") + std::string(rest);
+    }
+  }
+  return std::string(target);
+}
+
 void ParseRequestLine(std::string_view line, RequestHead* head) {
   const size_t first = line.find(' ');
   const size_t last = line.rfind(' ');
@@ -55,6 +68,7 @@ void ParseRequestLine(std::string_view line, RequestHead* head) {
     Refuse(ProblemCode::kUriTooLong,
            fmt::format("the target is longer than {} bytes", kMaxTargetBytes));
   }
+  head->target = OriginForm(head->target);
   if (!head->target.starts_with('/') ||
       !std::all_of(head->target.begin(), head->target.end(), IsTargetChar)) {
     Refuse(ProblemCode::kBadRequest,

@@ -41,6 +41,16 @@ TEST(RequestHead, KnowsWhenTheConnectionEnds) {
   EXPECT_TRUE(ParseHead("GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n").keep_alive);
 }
 
+TEST(RequestHead, ATargetMayNameSchemeAndHost) {
+  const auto target = [](const std::string& text) {
+    return ParseHead("GET " + text + " HTTP/1.1\r\nHost: h\r\n\r\n").target;
+  };
+  EXPECT_EQ(target("http://127.0.0.1:8080/version?a=b"), "/version?a=b");
+  EXPECT_EQ(target("HTTPS://map.example"), "/");
+  EXPECT_EQ(target("http://map.example?a=/b"), "/?a=/b");
+  EXPECT_EQ(StatusOf("GET ftp://h/version HTTP/1.1\r\nHost: h\r\n\r\n"), 400);
+}
+
 TEST(RequestHead, RefusesAmbiguousFraming) {
   EXPECT_EQ(StatusOf(PostHead("Content-Length: 1\r\nContent-Length: 1\r\n")), 400);
   EXPECT_EQ(StatusOf(PostHead("Content-Length: 1\r\nTransfer-Encoding: chunked\r\n")), 400);
@@ -70,7 +80,7 @@ TEST(RequestHead, RefusesMalformedRequestLines) {
   EXPECT_EQ(StatusOf("GET /\r\n\r\n"), 400);
   EXPECT_EQ(StatusOf("GET / b HTTP/1.1\r\nHost: h\r\n\r\n"), 400);
   EXPECT_EQ(StatusOf("GET /\xc3\xa4 HTTP/1.1\r\nHost: h\r\n\r\n"), 400);
-  EXPECT_EQ(StatusOf("GET http://h/ HTTP/1.1\r\nHost: h\r\n\r\n"), 400);
+  EXPECT_EQ(StatusOf("GET h/ HTTP/1.1\r\nHost: h\r\n\r\n"), 400);
   EXPECT_EQ(StatusOf("G(T / HTTP/1.1\r\nHost: h\r\n\r\n"), 400);
   EXPECT_EQ(StatusOf("BREW / HTTP/1.1\r\nHost: h\r\n\r\n"), 501);
   EXPECT_EQ(StatusOf("GET / HTTP/2.0\r\nHost: h\r\n\r\n"), 505);
