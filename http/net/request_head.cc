@@ -106,6 +106,28 @@ bool Has(const RequestHead& head, std::string_view name) {
                      [&](const auto& header) { return header.first == name; });
 }
 
+std::string_view WithoutBlanks(std::string_view text) {
+  const size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+}
+
+// True if the lists in the headers of this name contain the token, in any case.
+bool ListNames(const RequestHead& head, std::string_view name, std::string_view token) {
+  for (const auto& [header, value] : head.headers) {
+    if (header != name) {
+      continue;
+    }
+    for (std::string_view rest = value; !rest.empty();) {
+      const size_t comma = std::min(rest.find(','), rest.size());
+      if (ToLowerAscii(WithoutBlanks(rest.substr(0, comma))) == token) {
+        return true;
+      }
+      rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
+  }
+  return false;
+}
+
 bool TakesBody(const std::string& method) {
   return method == "POST" || method == "PUT" || method == "PATCH";
 }
@@ -154,8 +176,8 @@ void ReadConnectionHeaders(RequestHead* head) {
   }
   SingleHeader(*head, "host");
   SingleHeader(*head, "content-type");
-  const std::string connection = ToLowerAscii(head->Header("connection"));
-  head->keep_alive = head->is_http_1_0 ? connection == "keep-alive" : connection != "close";
+  head->keep_alive = !ListNames(*head, "connection", "close") &&
+                     (!head->is_http_1_0 || ListNames(*head, "connection", "keep-alive"));
   const std::string expect = ToLowerAscii(SingleHeader(*head, "expect"));
   if (!expect.empty() && expect != "100-continue") {
     Refuse(ProblemCode::kExpectationFailed, "this server knows only the expectation 100-continue");

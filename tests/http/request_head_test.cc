@@ -41,6 +41,17 @@ TEST(RequestHead, KnowsWhenTheConnectionEnds) {
   EXPECT_TRUE(ParseHead("GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n").keep_alive);
 }
 
+TEST(RequestHead, TheConnectionHeaderIsAListOfTokens) {
+  const auto keeps = [](const std::string& version, const std::string& headers) {
+    return ParseHead("GET / HTTP/" + version + "\r\nHost: h\r\n" + headers + "\r\n").keep_alive;
+  };
+  EXPECT_FALSE(keeps("1.1", "Connection: TE, close\r\n"));
+  EXPECT_FALSE(keeps("1.1", "Connection: TE\r\nConnection: , CLOSE ,\r\n"));
+  EXPECT_FALSE(keeps("1.1", "Connection: keep-alive, close\r\n"));
+  EXPECT_TRUE(keeps("1.1", "Connection: TE, closed\r\nX-Connection: close\r\n"));
+  EXPECT_TRUE(keeps("1.0", "Connection: TE,Keep-Alive\r\n"));
+}
+
 TEST(RequestHead, ATargetMayNameSchemeAndHost) {
   const auto target = [](const std::string& text) {
     return ParseHead("GET " + text + " HTTP/1.1\r\nHost: h\r\n\r\n").target;
