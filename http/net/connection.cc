@@ -186,6 +186,10 @@ void Connection::Respond(ResponseText text, bool keep_alive) {
 }
 
 void Connection::GiveUp() const {
+  if ((phase_ == Phase::kHead || phase_ == Phase::kBody) && steady_clock::now() < deadline_) {
+    throw HttpError(ProblemCode::kUnavailable, "the server is stopping")
+        .Hint("send the request again in a moment");
+  }
   if (phase_ == Phase::kHead) {
     throw HttpError(ProblemCode::kRequestTimeout, "the head did not arrive in time");
   }

@@ -78,8 +78,9 @@ class Connection {
   // `keep_alive`, the connection closes after the response, once the peer has had time to read it.
   void Respond(ResponseText text, bool keep_alive);
 
-  // Call when the deadline has passed. Throws HttpError kRequestTimeout if a request was partly
-  // received. Otherwise the caller closes the connection.
+  // Call when the deadline has passed, or a server that stops waits no longer. If a request was
+  // partly received, throws HttpError kRequestTimeout in the first case and kUnavailable in the
+  // second. Otherwise the caller closes the connection.
   void GiveUp() const;
 
   // The deadline for the peer's next step, and the time since when the peer could have taken it.

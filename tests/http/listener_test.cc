@@ -364,13 +364,17 @@ TEST_F(ListenerUnderAttack, StopLetsRunningRequestsFinishAndWaitsForNobodyElse) 
   const auto running = Connect("GET /hold HTTP/1.1\r\nHost: h\r\n\r\n");
   ASSERT_TRUE(handler_.WaitForRequests(1));
   const Clients attackers = ConnectMany(8, kHalfHead);
+  const auto upload = Connect(Post(1000) + "the first part");
   const Clients silent =
       ConnectMany(2, "GET /large HTTP/1.1\r\nHost: h\r\n\r\n", {.receive_bytes = 65536});
   ASSERT_TRUE(handler_.WaitForRequests(3));
   std::thread stop([this] { listener_->Stop(); });
   for (const auto& attacker : attackers) {
-    EXPECT_THAT(attacker->ReadAll(), StartsWith("HTTP/1.1 408"));
+    const std::string response = attacker->ReadAll();
+    EXPECT_THAT(response, StartsWith("HTTP/1.1 503"));
+    EXPECT_THAT(response, HasSubstr("the server is stopping"));
   }
+  EXPECT_THAT(upload->ReadAll(), StartsWith("HTTP/1.1 503"));
   for (const auto& client : silent) {
     EXPECT_TRUE(client->WaitForReset());
   }
