@@ -2,32 +2,47 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <iterator>
-
-#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {
 
+struct Phrase {
+  int status;
+  const char* text;
+};
+
+// Those of RFC 9110 and RFC 6585. The body of a refusal says more.
+constexpr std::array kPhrases = {Phrase{200, "OK"},
+                                 Phrase{204, "No Content"},
+                                 Phrase{302, "Found"},
+                                 Phrase{304, "Not Modified"},
+                                 Phrase{400, "Bad Request"},
+                                 Phrase{401, "Unauthorized"},
+                                 Phrase{403, "Forbidden"},
+                                 Phrase{404, "Not Found"},
+                                 Phrase{405, "Method Not Allowed"},
+                                 Phrase{408, "Request Timeout"},
+                                 Phrase{409, "Conflict"},
+                                 Phrase{411, "Length Required"},
+                                 Phrase{413, "Content Too Large"},
+                                 Phrase{414, "URI Too Long"},
+                                 Phrase{415, "Unsupported Media Type"},
+                                 Phrase{417, "Expectation Failed"},
+                                 Phrase{429, "Too Many Requests"},
+                                 Phrase{431, "Request Header Fields Too Large"},
+                                 Phrase{500, "Internal Server Error"},
+                                 Phrase{501, "Not Implemented"},
+                                 Phrase{503, "Service Unavailable"},
+                                 Phrase{505, "HTTP Version Not Supported"}};
+
 const char* ReasonPhrase(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 204:
-      return "No Content";
-    case 302:
-      return "Found";
-    case 304:
-      return "Not Modified";
-    default:
-      break;
-  }
-  for (const ProblemInfo& problem : AllProblems()) {
-    if (problem.status == status) {
-      return problem.title;
-    }
-  }
-  return "";
+  const auto* const found =
+      std::find_if(kPhrases.begin(), kPhrases.end(),
+                   [status](const Phrase& phrase) { return phrase.status == status; });
+  return found == kPhrases.end() ? "" : found->text;
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class ApiKeys : public testing::RawHttpTest {
 TEST_F(ApiKeys, AreAskedForInWords) {
   const Reply reply = Request("GET", "/v1/tiles");
   EXPECT_EQ(reply.status, 401);
-  EXPECT_THAT(reply.head, HasSubstr("HTTP/1.1 401 An API key is needed"));
+  EXPECT_THAT(reply.head, HasSubstr("HTTP/1.1 401 Unauthorized"));
   EXPECT_THAT(reply.head, HasSubstr("WWW-Authenticate: Bearer realm=\"cairn\""));
   const auto problem = nlohmann::json::parse(reply.body);
   EXPECT_EQ(problem["code"], "unauthorized");
