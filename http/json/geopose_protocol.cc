@@ -15,6 +15,7 @@
 #include "core/images/exif.h"
 #include "core/images/orient_image.h"
 #include "core/images/photo_camera.h"
+#include "core/wire/accept.h"
 #include "core/wire/base64.h"
 #include "core/wire/multipart.h"
 #include "core/wire/problem.h"
@@ -26,6 +27,7 @@ namespace cairn {
 namespace {
 
 constexpr char kMediaType[] = "application/vnd.oscp+json";
+constexpr char kJsonMediaType[] = "application/json";
 constexpr char kOgcMediaType[] = "application/geopose+json";
 // Pictures of a rig must be taken within this time of each other.
 constexpr double kMaxRigDelayMs = 10.0;
@@ -215,7 +217,7 @@ std::string Dump(const nlohmann::ordered_json& json) {
 LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_view body,
                                     const RequestLimits& limits) {
   const std::string media_type = MediaType(content_type);
-  if (media_type != "application/json" && media_type != kMediaType) {
+  if (media_type != kJsonMediaType && media_type != kMediaType) {
     throw HttpError(ProblemCode::kUnsupportedMediaType, "the content type is not accepted")
         .Hint(fmt::format("send application/json or {}", kMediaType));
   }
@@ -260,13 +262,12 @@ std::string OgcGeoPoseJson(const LocalizeResult& result, const LocalizeRequest& 
 }
 
 std::string GeoPoseContentType(std::string_view accept) {
-  return accept.find(kMediaType) != std::string_view::npos
-             ? fmt::format("{};version=2.0", kMediaType)
-             : "application/json";
+  return Prefers(accept, kMediaType, kJsonMediaType) ? fmt::format("{};version=2.0", kMediaType)
+                                                     : kJsonMediaType;
 }
 
 bool WantsOgcGeoPose(std::string_view accept) {
-  return accept.find(kOgcMediaType) != std::string_view::npos;
+  return Prefers(accept, kOgcMediaType, kJsonMediaType);
 }
 
 }  // namespace cairn

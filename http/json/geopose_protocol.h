@@ -29,10 +29,10 @@ std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequ
 // Only the pose: an OGC GeoPose 1.0 Basic-Quaternion, media type application/geopose+json.
 std::string OgcGeoPoseJson(const LocalizeResult& result, const LocalizeRequest& request);
 
-// True if the Accept header asks for application/geopose+json.
+// True if the Accept header prefers application/geopose+json to application/json.
 bool WantsOgcGeoPose(std::string_view accept);
 
-// The protocol's media type if the Accept header asks for it, else application/json. Reference
+// The protocol's media type if the Accept header prefers it, else application/json. Reference
 // clients send "application/vnd.oscp+json;version=2.0;", including the final semicolon.
 std::string GeoPoseContentType(std::string_view accept);
 

@@ -2,32 +2,18 @@
 
 #include <zlib.h>
 
-#include <charconv>
-
 #include "core/error.h"
+#include "core/wire/accept.h"
 #include "core/wire/multipart.h"
 
 namespace cairn {
-namespace {
-
-// The weight of a coding; 1 without one.
-double Quality(std::string_view coding) {
-  const std::string_view text = HeaderParameter(coding, "q");
-  double quality = 1.0;
-  std::from_chars(text.data(), text.data() + text.size(), quality);
-  return quality;
-}
-
-}  // namespace
 
 bool AcceptsGzip(std::string_view accept_encoding) {
   while (!accept_encoding.empty()) {
-    const size_t comma = accept_encoding.find(',');
-    const std::string_view coding = accept_encoding.substr(0, comma);
+    const std::string_view coding = TakeElement(&accept_encoding);
     if (MediaType(coding) == "gzip") {
       return Quality(coding) > 0.0;
     }
-    accept_encoding = comma == std::string_view::npos ? "" : accept_encoding.substr(comma + 1);
   }
   return false;
 }

@@ -318,6 +318,7 @@ TEST(GeoPoseProtocol, TheOgcGeoPoseIsThePoseAlone) {
   EXPECT_EQ(geopose["quaternion"].size(), 4u);
   EXPECT_TRUE(WantsOgcGeoPose("application/geopose+json, */*"));
   EXPECT_FALSE(WantsOgcGeoPose("application/json"));
+  EXPECT_FALSE(WantsOgcGeoPose("application/geopose+json;q=0"));
 }
 
 TEST(GeoPoseRequest, ReadsWhatTheReferenceClientSends) {
