@@ -1,7 +1,12 @@
 #include "http/routes.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "http/handlers/localize_handlers.h"
 #include "http/handlers/map_handlers.h"
+#include "http/handlers/query_parameters.h"
 #include "http/handlers/status_handlers.h"
 #include "http/web_assets.h"
 
@@ -18,36 +23,54 @@ constexpr KeyRights kCopy = KeyRight::kCopy;
 // Clients that localize ask whether and how they can.
 constexpr KeyRights kQueryOrLook = KeyRight::kLocalize | KeyRight::kLook;
 
-void AddApi(LocalizeService* service, Router* router) {
-  router->Add({"POST", "/v1/localize", kQuery, [=](const HttpRequest& request, const Id&) {
-                 return HandleLocalize(request, service);
-               }});
-  router->Add({"GET", "/v1/availability", kQueryOrLook, [=](const HttpRequest& request, const Id&) {
-                 return HandleAvailability(request, *service);
-               }});
-  router->Add({"GET", "/v1/coverage", kLook, [=](const HttpRequest& request, const Id&) {
-                 return HandleCoverage(request, service);
-               }});
-  router->Add({"GET", "/v1/tiles", kLook, [=](const HttpRequest& request, const Id&) {
-                 return HandleTiles(request, service);
-               }});
-  router->Add({"GET", "/v1/versions", kLook, [=](const HttpRequest& request, const Id&) {
-                 return HandleVersions(request, service);
-               }});
-  router->Add({"GET", "/v1/tiles/{id}", kLook, [=](const HttpRequest& request, const Id& id) {
-                 return HandleTile(request, id, *service);
-               }});
+// Refuses requests with other query parameters, so that a misspelt one does not go unnoticed.
+RouteHandler Taking(std::vector<std::string> parameters, RouteHandler handler) {
+  return [known = std::move(parameters), handler = std::move(handler)](const HttpRequest& request,
+                                                                       const Id& id) {
+    RequireKnownParameters(request, known);
+    return handler(request, id);
+  };
+}
+
+void AddQueries(LocalizeService* service, Router* router) {
   router->Add(
-      {"GET", "/v1/tiles/{id}/payload", kCopy, [=](const HttpRequest& request, const Id& id) {
-         return HandleTilePayload(request, id, service);
-       }});
+      {"POST", "/v1/localize", kQuery, Taking({}, [=](const HttpRequest& request, const Id&) {
+         return HandleLocalize(request, service);
+       })});
+  router->Add({"GET", "/v1/availability", kQueryOrLook,
+               Taking({"lat", "lon", "accuracy"}, [=](const HttpRequest& request, const Id&) {
+                 return HandleAvailability(request, *service);
+               })});
   router->Add({"GET", "/geopose", kQueryOrLook,
-               [](const HttpRequest&, const Id&) { return HandleGeoPoseStatus(); }});
-  router->Add({"POST", "/geopose", kQuery, [=](const HttpRequest& request, const Id&) {
+               Taking({}, [](const HttpRequest&, const Id&) { return HandleGeoPoseStatus(); })});
+  router->Add({"POST", "/geopose", kQuery, Taking({}, [=](const HttpRequest& request, const Id&) {
                  return HandleGeoPose(request, service);
-               }});
+               })});
   router->Add({"GET", "/version", kQueryOrLook,
-               [=](const HttpRequest&, const Id&) { return HandleVersion(*service); }});
+               Taking({}, [=](const HttpRequest&, const Id&) { return HandleVersion(*service); })});
+}
+
+void AddMap(LocalizeService* service, Router* router) {
+  const std::vector<std::string> page = {"bbox", "limit", "after"};
+  router->Add(
+      {"GET", "/v1/coverage", kLook, Taking(page, [=](const HttpRequest& request, const Id&) {
+         return HandleCoverage(request, service);
+       })});
+  router->Add({"GET", "/v1/tiles", kLook, Taking(page, [=](const HttpRequest& request, const Id&) {
+                 return HandleTiles(request, service);
+               })});
+  router->Add(
+      {"GET", "/v1/versions", kLook, Taking({"limit"}, [=](const HttpRequest& request, const Id&) {
+         return HandleVersions(request, service);
+       })});
+  router->Add(
+      {"GET", "/v1/tiles/{id}", kLook, Taking({}, [=](const HttpRequest& request, const Id& id) {
+         return HandleTile(request, id, *service);
+       })});
+  router->Add({"GET", "/v1/tiles/{id}/payload", kCopy,
+               Taking({}, [=](const HttpRequest& request, const Id& id) {
+                 return HandleTilePayload(request, id, service);
+               })});
 }
 
 RouteHandler Page(std::string_view content, const char* content_type) {
@@ -82,7 +105,8 @@ void AddAdmin(LocalizeService* service, Router* router) {
 
 Router MainRoutes(LocalizeService* service, bool with_admin) {
   Router router;
-  AddApi(service, &router);
+  AddQueries(service, &router);
+  AddMap(service, &router);
   AddPages(&router);
   if (with_admin) {
     AddAdmin(service, &router);

@@ -290,7 +290,7 @@ class AccessLines : public ApiKeys {
 };
 
 TEST_F(AccessLines, TellWhoAskedForWhat) {
-  Request("GET", "/v1/tiles?secret=abc", "X-API-Key: viewer-secret");
+  Request("GET", "/v1/tiles?limit=777", "X-API-Key: viewer-secret");
   Request("GET", "/v1/tiles", "X-Forwarded-For: 203.0.113.5");
   Request("GET", "/metrics", "X-API-Key: app-secret");
   Exchange("POST /v1/localize?secret=abc HTTP/1.1\r\nHost: h\r\nContent-Length: 20000000\r\n\r\n");

@@ -66,6 +66,21 @@ TEST_F(HttpRoutes, CoverageAndTilesCanBeRestrictedToABox) {
   EXPECT_EQ(GetJson("/v1/tiles?limit=1")["tiles"].size(), 1u);
 }
 
+TEST_F(HttpRoutes, RefuseParametersThatAreUnknownOrThereTwice) {
+  const testing::Reply misspelt = Get("/v1/tiles?limt=1");
+  EXPECT_EQ(misspelt.status, 400);
+  EXPECT_THAT(misspelt.body, HasSubstr("'limt'"));
+  EXPECT_THAT(misspelt.body, HasSubstr("known: bbox, limit, after"));
+  EXPECT_THAT(Get("/v1/tiles?limit=1&limit=2").body, HasSubstr("'limit' is there twice"));
+  EXPECT_EQ(Get("/version?a=b").status, 400);
+  EXPECT_EQ(Send("POST /v1/localize?a=b HTTP/1.1\r\nHost: h\r\nConnection: close\r\n"
+                 "Content-Length: 0\r\n\r\n")
+                .status,
+            400);
+  EXPECT_EQ(Get("/livez?from=probe").status, 200);
+  EXPECT_EQ(Get("/ui?from=search").status, 200);
+}
+
 TEST_F(HttpRoutes, PagesOfTilesLeadFromOneToTheNext) {
   const auto all = GetJson("/v1/tiles");
   ASSERT_EQ(all["truncated"], false);
