@@ -13,6 +13,13 @@
 namespace cairn {
 namespace {
 
+constexpr char kHintOnParts[] =
+    "send the parts 'request' (JSON) and 'image' or 'features'; curl -F writes such a body";
+// Programs that set the Content-Type themselves do not know the boundary that their library chose.
+constexpr char kHintOnBoundary[] =
+    "let the HTTP library set the Content-Type, with the boundary that it chose; do not set it by "
+    "hand";
+
 // The boundary of all bodies written here.
 constexpr char kBoundary[] = "cairn-client-5f1c2a9e7d304b68";
 
@@ -20,10 +27,8 @@ constexpr size_t kMaxParts = 16;
 constexpr size_t kMaxPartHeadBytes = 4096;
 constexpr size_t kMaxBoundaryLength = 70;  // RFC 2046.
 
-[[noreturn]] void RefuseBody(const std::string& detail) {
-  throw HttpError(ProblemCode::kInvalidMultipart, "multipart body: " + detail)
-      .Hint(
-          "send the parts 'request' (JSON) and 'image' or 'features'; curl -F writes such a body");
+[[noreturn]] void RefuseBody(const std::string& detail, const char* hint = kHintOnParts) {
+  throw HttpError(ProblemCode::kInvalidMultipart, "multipart body: " + detail).Hint(hint);
 }
 
 bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
@@ -56,14 +61,15 @@ std::string_view TakeHeader(std::string_view line_break, std::string_view* head)
   return header;
 }
 
-// The part's name from its Content-Disposition.
-std::string_view PartName(std::string_view head, std::string_view line_break) {
+// The value of a part's header; empty if the header is missing.
+std::string_view PartHeader(std::string_view head, std::string_view line_break,
+                            std::string_view name) {
   while (!head.empty()) {
     const std::string_view header = TakeHeader(line_break, &head);
     const size_t colon = header.find(':');
     if (colon != std::string_view::npos &&
-        EqualsIgnoringCase(Trim(header.substr(0, colon)), "content-disposition")) {
-      return HeaderParameter(header.substr(colon + 1), "name");
+        EqualsIgnoringCase(Trim(header.substr(0, colon)), name)) {
+      return Trim(header.substr(colon + 1));
     }
   }
   return {};
@@ -154,11 +160,16 @@ MultipartPart ParsePart(std::string_view part, std::string_view line_break) {
   if (head_end == std::string_view::npos) {
     RefuseBody("the headers of a part have no end");
   }
-  const std::string_view name = PartName(part.substr(0, head_end), line_break);
+  const std::string_view head = part.substr(0, head_end);
+  const std::string_view name =
+      HeaderParameter(PartHeader(head, line_break, "content-disposition"), "name");
   if (name.empty()) {
     RefuseBody("a part has no name in its Content-Disposition");
   }
-  return {.name = name, .content = part.substr(head_end + empty_line.size())};
+  const std::string_view encoding = PartHeader(head, line_break, "content-transfer-encoding");
+  return {.name = name,
+          .content = part.substr(head_end + empty_line.size()),
+          .is_base64 = EqualsIgnoringCase(encoding, "base64")};
 }
 
 void AddPart(const MultipartPart& part, std::vector<MultipartPart>* parts) {
@@ -237,13 +248,13 @@ bool IsMultipart(std::string_view content_type) {
 std::vector<MultipartPart> ParseMultipart(std::string_view content_type, std::string_view body) {
   const std::string_view boundary = HeaderParameter(content_type, "boundary");
   if (boundary.empty() || boundary.size() > kMaxBoundaryLength) {
-    RefuseBody("the Content-Type has no usable boundary");
+    RefuseBody("the Content-Type has no usable boundary", kHintOnBoundary);
   }
   const std::string dashed_boundary = fmt::format("--{}", boundary);
   // Any text may stand before the first boundary (RFC 2046 section 5.1.1).
   std::optional<BoundaryLine> line = FindBoundaryLine(body, 0, dashed_boundary, "\n");
   if (!line) {
-    RefuseBody("the body does not contain its boundary");
+    RefuseBody("the body does not contain the boundary of the Content-Type", kHintOnBoundary);
   }
   const std::string_view line_break = line->line_break;  // That of the whole body.
   std::vector<MultipartPart> parts;

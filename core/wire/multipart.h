@@ -11,7 +11,8 @@ namespace cairn {
 // Views of the body.
 struct MultipartPart {
   std::string_view name;
-  std::string_view content;
+  std::string_view content;  // As sent.
+  bool is_base64 = false;    // By its Content-Transfer-Encoding.
 };
 
 // True if the Content-Type is multipart/form-data.

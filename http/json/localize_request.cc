@@ -11,6 +11,7 @@
 #include "core/wire/feature_codec.h"
 #include "core/wire/multipart.h"
 #include "core/wire/problem.h"
+#include "http/json/part_encoding.h"
 #include "http/json/request_members.h"
 #include "http/json/request_options.h"
 #include "http/json/stated_camera.h"
@@ -308,13 +309,17 @@ RequestImage ImageOfPart(std::string_view content, std::string_view name) {
     throw HttpError(ProblemCode::kInvalidImage, fmt::format("the part '{}' is empty", name))
         .At(fmt::format("/{}", name));
   }
+  RefuseImageAsText(content, name);
   const std::span<const uint8_t> bytes = AsBytes(content);
   return {.bytes = {bytes.begin(), bytes.end()}, .format = ""};
 }
 
 LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_view body,
                                    const RequestLimits& limits) {
-  const RequestParts parts = SortParts(ParseMultipart(content_type, body));
+  std::vector<MultipartPart> sent = ParseMultipart(content_type, body);
+  std::vector<std::vector<uint8_t>> decoded;
+  DecodeParts(&sent, &decoded);
+  const RequestParts parts = SortParts(sent);
   if (parts.request->size() > kMaxShortJsonBytes) {
     throw HttpError(ProblemCode::kInvalidMultipart,
                     fmt::format("the part 'request' is longer than {} bytes", kMaxShortJsonBytes));
@@ -340,12 +345,13 @@ LocalizeRequest ParseMultipartBody(std::string_view content_type, std::string_vi
   return request;
 }
 
-// False for a body that is refused at once.
-bool HasFeaturesPart(std::string_view content_type, std::string_view body) {
+// True for features and for base64. False for a body that is refused at once.
+bool HasSlowPart(std::string_view content_type, std::string_view body) {
   try {
     const std::vector<MultipartPart> parts = ParseMultipart(content_type, body);
-    return std::any_of(parts.begin(), parts.end(),
-                       [](const MultipartPart& part) { return part.name == "features"; });
+    return std::any_of(parts.begin(), parts.end(), [](const MultipartPart& part) {
+      return part.name == "features" || part.is_base64;
+    });
   } catch (const HttpError&) {
     return false;
   }
@@ -355,7 +361,7 @@ bool HasFeaturesPart(std::string_view content_type, std::string_view body) {
 
 bool TakesLongToParse(std::string_view content_type, std::string_view body) {
   return body.size() > kMaxShortJsonBytes &&
-         (!IsMultipart(content_type) || HasFeaturesPart(content_type, body));
+         (!IsMultipart(content_type) || HasSlowPart(content_type, body));
 }
 
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {

@@ -66,8 +66,8 @@ using BodyParser = LocalizeRequest(std::string_view content_type, std::string_vi
 
 // True if parsing the body may take more than about 1 ms on one core, so that the body must wait
 // for its turn: JSON of more than 64 KiB, and a multipart body of more than 64 KiB that has
-// features. The JSON part of a multipart body is always shorter, and photos are not decoded by
-// parsing.
+// features or base64. The JSON part of a multipart body is always shorter, and photos are not
+// decoded by parsing.
 bool TakesLongToParse(std::string_view content_type, std::string_view body);
 
 // Guesses the `timeoutMs` of a body without parsing it; returns the default if it finds none.

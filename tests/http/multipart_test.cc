@@ -1,5 +1,6 @@
 #include "core/wire/multipart.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/wire/problem.h"
@@ -146,6 +147,17 @@ TEST(Multipart, OnlyFormDataIsMultipart) {
   EXPECT_FALSE(IsMultipart("multipart/mixed; boundary=a"));
   EXPECT_FALSE(IsMultipart("application/json"));
   EXPECT_FALSE(IsMultipart(""));
+}
+
+TEST(Multipart, AWrongBoundaryIsSaidToBeTheTaskOfTheLibrary) {
+  for (const char* type : {"multipart/form-data", "multipart/form-data; boundary=YY"}) {
+    try {
+      ParseMultipart(type, Part("image", "bytes"));
+      ADD_FAILURE() << "accepted";
+    } catch (const HttpError& error) {
+      EXPECT_THAT(ProblemJson(error, ""), ::testing::HasSubstr("do not set it by hand"));
+    }
+  }
 }
 
 }  // namespace
