@@ -29,11 +29,29 @@ keyForm.addEventListener("submit", (event) => {
   refresh();
 });
 
+// What fronts mean that answer in place of the server, with a page of their own.
+const FRONT_ANSWERS = {
+  413: "the photo is larger than the front of the server allows",
+  502: "the front of the server does not reach the server",
+  503: "the front of the server has no server that is ready",
+  504: "the server took longer than its front waits",
+};
+
+// `body` is null if it is not JSON.
 class ServerError extends Error {
   constructor(response, body) {
-    super([body.detail || response.statusText, body.hint].filter(Boolean).join("\n"));
+    const words = body === null
+      ? [`status ${response.status}: ${FRONT_ANSWERS[response.status] ?? "the answer is not from this server"}`]
+      : [body.detail || response.statusText, body.hint];
+    super(words.filter(Boolean).join("\n"));
     this.status = response.status;
   }
+}
+
+async function readJson(response) {
+  const body = await response.json().catch(() => null);
+  if (!response.ok || body === null) throw new ServerError(response, body);
+  return body;
 }
 
 // As fetch, with the key. Shows the field for the key if the server asks for one.
@@ -46,12 +64,7 @@ async function fetchWithKey(path, options = {}) {
   return response;
 }
 
-async function getJson(path) {
-  const response = await fetchWithKey(path);
-  const body = await response.json();
-  if (!response.ok) throw new ServerError(response, body);
-  return body;
-}
+const getJson = async (path) => readJson(await fetchWithKey(path));
 
 // --- Map -----------------------------------------------------------------------------------------
 
@@ -227,19 +240,73 @@ async function refresh() {
 
 // --- Photo ---------------------------------------------------------------------------------------
 
-function number(name) {
-  const text = form[name].value.trim();
-  return text === "" ? null : Number(text.replace(",", "."));
+// What the fields take, beside a number: a unit, and the letters of the positive and the negative side.
+const FIELDS = {
+  lat: { label: "Latitude", unit: "°", sides: "NS", example: "48.94" },
+  lon: { label: "Longitude", unit: "°", sides: "EW", example: "8.41" },
+  accuracy: { label: "Accuracy", unit: "m", sides: "", example: "15" },
+  focal: { label: "Focal length", unit: "px", sides: "", example: "1380" },
+};
+
+// The number in a text as people write it: "48,94", "−33.9", "48.94° N", "1380 px"; else NaN.
+function parseNumber(name, text) {
+  const { unit, sides } = FIELDS[name];
+  const match = text.trim().replace("\u2212", "-")
+    .match(/^([A-Za-z]?)\s*([-+]?)(\d+(?:[.,]\d*)?|[.,]\d+)\s*(°|px|m)?\s*([A-Za-z]?)$/);
+  if (!match || (match[4] ?? unit) !== unit || (match[1] && match[5])) return NaN;
+  const side = (match[1] + match[5]).toUpperCase();
+  if (side !== "" && (!sides.includes(side) || match[2] !== "")) return NaN;
+  const size = Number(match[3].replace(",", "."));
+  return match[2] === "-" || (side !== "" && side === sides[1]) ? -size : size;
 }
 
-// The position of the form, else that of the photo's EXIF.
-function updatePrior() {
-  const [lat, lon] = [number("lat"), number("lon")];
-  if (lat !== null && lon !== null) {
-    state.prior = { lat, lon, accuracy: number("accuracy") ?? 15, source: "the form" };
-  } else {
-    state.prior = form.exif.checked && exif.gps
-      ? { ...exif.gps, source: "the photo's EXIF" } : null;
+function number(name) {
+  const text = form[name].value.trim();
+  if (text === "") return null;
+  const value = parseNumber(name, text);
+  if (Number.isNaN(value)) {
+    throw new Error(`${FIELDS[name].label}: "${text}" is not a number such as ${FIELDS[name].example}`);
+  }
+  return value;
+}
+
+// Divides "48.94, 8.41", which maps offer to copy, between the two fields.
+function splitPair() {
+  const text = form.lat.value.trim();
+  if (text === "" || !Number.isNaN(parseNumber("lat", text))) return;
+  for (const gap of text.matchAll(/\s*[,;]\s*|\s+/g)) {
+    const [lat, lon] = [text.slice(0, gap.index), text.slice(gap.index + gap[0].length)];
+    if (Number.isNaN(parseNumber("lat", lat)) || Number.isNaN(parseNumber("lon", lon))) continue;
+    form.lat.value = lat;
+    form.lon.value = lon;
+    return;
+  }
+}
+
+// The position in the form, or null; throws if the person has to mend the form.
+function formPrior() {
+  const [lat, lon, accuracy] = [number("lat"), number("lon"), number("accuracy")];
+  if ((lat === null) !== (lon === null)) {
+    const [given, missing] = lat === null ? ["Longitude", "latitude"] : ["Latitude", "longitude"];
+    throw new Error(`${given} without ${missing}: give both or none`);
+  }
+  return lat === null ? null : { lat, lon, accuracy: accuracy ?? 15, source: "the form" };
+}
+
+function checkForm() {
+  splitPair();
+  formPrior();
+  number("focal");
+}
+
+// The position of the form, else that of the photo's EXIF. None while somebody is typing the form.
+function updatePrior(event) {
+  if (event?.type === "change" || event?.inputType === "insertFromPaste") splitPair();
+  try {
+    state.prior = formPrior() ?? (form.exif.checked && exif.gps
+      ? { ...exif.gps, source: "the photo's EXIF" } : null);
+  } catch {
+    state.prior = null;
   }
   byId("exif-note").textContent = !photo ? "" : !exif.gps ? "(this photo has none)"
     : `(${exif.gps.lat.toFixed(5)}°, ${exif.gps.lon.toFixed(5)}° ± ${exif.gps.accuracy.toFixed(0)} m)`;
@@ -347,7 +414,10 @@ form.photo.addEventListener("change", () => {
   });
   loading.catch((error) => say(error.message));
 });
-for (const name of ["lat", "lon", "accuracy", "exif"]) form[name].addEventListener("input", updatePrior);
+for (const name of ["lat", "lon", "accuracy", "exif"]) {
+  form[name].addEventListener("input", updatePrior);
+  form[name].addEventListener("change", updatePrior);
+}
 
 function photoFile() {
   if (photoScale === 1) return form.photo.files[0];
@@ -448,6 +518,7 @@ function describe(answer) {
 
 async function localize() {
   await loading;
+  checkForm();
   updatePrior();
   const body = new FormData();
   body.append("request", new Blob([JSON.stringify(requestFor())], { type: "application/json" }));
@@ -455,15 +526,12 @@ async function localize() {
   const headers = state.cell ? { "X-Cairn-Cell": state.cell } : {};
   const response = await fetchWithKey("v1/localize", { method: "POST", headers, body });
   state.cell = response.headers.get("X-Cairn-Cell") ?? state.cell;
-  const answer = await response.json();
-  if (!response.ok) throw new ServerError(response, answer);
-  return answer;
+  return readJson(response);
 }
 
 form.addEventListener("submit", async (event) => {
   event.preventDefault();
   const button = form.querySelector("button");
-  updatePrior();
   button.disabled = true;
   say("…");
   try {

@@ -1,4 +1,5 @@
 // Runs the clients that users have against a `cairn serve` of a rendered street.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -393,6 +394,32 @@ TEST_F(Page, LocalizesPhotosInABrowser) {
   EXPECT_LT(ShownErrorM(answers[6]), 2.0);
   EXPECT_EQ(seen["console"], json::array());
   EXPECT_THAT(seen["status"].get<std::string>(), HasSubstr("running"));
+}
+
+TEST_F(Page, ReadsNumbersAsPeopleWriteThem) {
+  if (const std::string why_not = WhyNoBrowser(); !why_not.empty()) {
+    GTEST_SKIP() << why_not;
+  }
+  BackgroundCairn server({"serve", world_.map_path, "--port", "0", "--log-level", "off"});
+  const Geodetic& prior = query().query.prior->position;
+  const std::string lat = fmt::format("{:.6f}", prior.lat_deg());
+  const std::string lon = fmt::format("{:.6f}", prior.lon_deg());
+  const std::string focal = fmt::format("{:.1f} px", query().query.camera.params()[0]);
+  const std::string photo = query().image_path;
+  const json seen =
+      Open({{"url", server.ReadLine()},
+            {"visits",
+             {{{"photo", photo}, {"lat", lat + ", " + lon}, {"accuracy", 15}, {"focal", focal}},
+              {{"photo", photo}, {"lat", lat + "° N"}, {"lon", lon + " E"}},
+              {{"photo", photo}, {"lat", lat}},
+              {{"photo", photo}, {"focal", "long"}}}}});
+  const std::vector<std::string> answers = seen.value("answers", std::vector<std::string>());
+  ASSERT_EQ(answers.size(), 4u) << seen;
+  EXPECT_LT(ShownErrorM(answers[0]), 0.5);
+  EXPECT_THAT(answers[0], HasSubstr("from the form"));
+  EXPECT_THAT(answers[1], HasSubstr("from the form"));
+  EXPECT_EQ(answers[2], "Latitude without longitude: give both or none");
+  EXPECT_THAT(answers[3], HasSubstr("Focal length: \"long\" is not a number"));
 }
 
 TEST_F(Page, AsksForTheKeyOfAServerThatWantsOne) {

@@ -32,10 +32,10 @@ def open_browser():
 
 def fill_in(browser, visit):
     for name in FIELDS:
-        field = browser.find_element(By.NAME, name)
-        field.clear()
+        browser.find_element(By.NAME, name).clear()
+    for name in FIELDS:
         if visit.get(name) is not None:
-            field.send_keys(str(visit[name]))
+            browser.find_element(By.NAME, name).send_keys(str(visit[name]))
     checkbox = browser.find_element(By.NAME, "exif")
     if checkbox.is_selected() != visit.get("exif", True):
         checkbox.click()
