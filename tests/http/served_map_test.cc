@@ -1,11 +1,13 @@
 // Tests maps whose files are replaced, removed, damaged or copied while they are served.
 #include "http/service/served_map.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sqlite3.h>
 #include <sys/mount.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
@@ -248,6 +250,23 @@ TEST_F(ServedMapFiles, UpdatesInTheFileAreNoOtherMap) {
   maps.Refresh();
   EXPECT_EQ(maps.Current(), before);
   EXPECT_EQ(Sessions(*maps.Current()), "monday tuesday ");
+}
+
+// A writer in another process that found the file unlocked would delete the log.
+TEST_F(ServedMapFiles, AFileThatWasOpenedAgainStaysLocked) {
+  ServedMaps maps({.path = path_});
+  fs::last_write_time(path_, fs::last_write_time(path_) + std::chrono::seconds(1));
+  maps.Refresh();
+  constexpr off_t kSharedLock = 0x40000000 + 2;  // SHARED_FIRST of SQLite.
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = kSharedLock;
+  lock.l_len = 510;
+  const int fd = open(path_.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(fcntl(fd, F_OFD_GETLK, &lock), 0);
+  EXPECT_EQ(lock.l_type, F_RDLCK);
+  close(fd);
 }
 
 TEST_F(ServedMapFiles, TagsTellTilesOfCopiesApart) {

@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -97,15 +96,27 @@ void CheckFileType(const std::string& path) {
   }
 }
 
+// SQLite reads the file, because the process may have it open already: closing a descriptor of
+// one's own would release the locks that the open connections hold. A writer in another process
+// would then delete the write-ahead log that they use.
 std::string ReadHead(const std::string& path) {
-  std::string head(kSqliteHeaderSize, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    Refuse(ErrorCode::kIo, path, "cannot be read; check its permissions");
+  try {
+    const sqlite::Connection connection(path, sqlite::Access::kReadOnly, 0);
+    sqlite3_file* file = nullptr;
+    sqlite3_file_control(connection.handle(), nullptr, SQLITE_FCNTL_FILE_POINTER, &file);
+    sqlite3_int64 num_bytes = 0;
+    if (file != nullptr && file->pMethods != nullptr &&
+        file->pMethods->xFileSize(file, &num_bytes) == SQLITE_OK) {
+      std::string head(std::min<size_t>(static_cast<size_t>(num_bytes), kSqliteHeaderSize), '\0');
+      if (head.empty() ||
+          file->pMethods->xRead(file, head.data(), static_cast<int>(head.size()), 0) == SQLITE_OK) {
+        return head;
+      }
+    }
+  } catch (const Error&) {
+    // As below.
   }
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(file.gcount());
-  return head;
+  Refuse(ErrorCode::kIo, path, "cannot be read; check its permissions");
 }
 
 [[noreturn]] void RefuseCutOff(const std::string& path, uint64_t size) {
