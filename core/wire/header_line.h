@@ -24,6 +24,9 @@ bool IsToken(std::string_view text);
 // Returns true if `text` has no control character but tabs.
 bool IsHeaderText(std::string_view text);
 
+// Removes blanks and tabs at both ends.
+std::string_view TrimBlanks(std::string_view text);
+
 // Changes A to Z only.
 std::string ToLowerAscii(std::string_view text);
 

@@ -2,29 +2,24 @@
 
 #include <strings.h>
 
-#include <algorithm>
 
+#include "core/wire/header_line.h"
 #include "core/wire/problem.h"
 
 namespace cairn {
 namespace {
 
-std::string_view WithoutBlanksAround(std::string_view text) {
-  const size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
-
 // Nothing if the scheme is another one.
 std::optional<std::string_view> BearerKey(std::string_view value) {
   constexpr std::string_view kScheme = "bearer";
-  value = WithoutBlanksAround(value);
+  value = TrimBlanks(value);
   const bool is_bearer = value.size() >= kScheme.size() &&
                          strncasecmp(value.data(), kScheme.data(), kScheme.size()) == 0;
   const std::string_view rest = is_bearer ? value.substr(kScheme.size()) : std::string_view();
   if (!is_bearer || (!rest.empty() && rest.front() != ' ')) {
     return std::nullopt;
   }
-  return WithoutBlanksAround(rest);
+  return TrimBlanks(rest);
 }
 
 }  // namespace
@@ -45,7 +40,7 @@ std::optional<std::string> PresentedKey(const std::vector<std::string_view>& aut
     }
   }
   for (const std::string_view value : x_api_key) {
-    take(WithoutBlanksAround(value));
+    take(TrimBlanks(value));
   }
   return presented;
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/wire/header_line.h"
 
 namespace cairn {
 namespace {
@@ -15,11 +16,6 @@ namespace {
 using Address = std::array<uint8_t, 16>;
 
 constexpr size_t kIpv4Begin = 12;  // Of an IPv4 address within IPv6.
-
-std::string_view WithoutBlanks(std::string_view text) {
-  const size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
 
 std::optional<Address> ParseAddress(const std::string& text) {
   Address address{};
@@ -109,7 +105,7 @@ TrustedFronts ParseTrustedFronts(std::string_view list) {
   TrustedFronts fronts;
   while (!list.empty()) {
     const size_t comma = list.find(',');
-    fronts.push_back(ParseRange(WithoutBlanks(list.substr(0, comma))));
+    fronts.push_back(ParseRange(TrimBlanks(list.substr(0, comma))));
     list = comma == std::string_view::npos ? "" : list.substr(comma + 1);
   }
   return fronts;
@@ -122,7 +118,7 @@ std::string ForwardedClient(const std::string& peer, std::string_view chain,
     const size_t comma = chain.rfind(',');
     const bool is_first = comma == std::string_view::npos;
     const std::string named =
-        WithoutPort(WithoutBlanks(is_first ? chain : chain.substr(comma + 1)));
+        WithoutPort(TrimBlanks(is_first ? chain : chain.substr(comma + 1)));
     if (!ParseAddress(named)) {
       break;  // Nobody knows who is behind this front.
     }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/wire/accept.h"
 #include "core/wire/header_line.h"
 #include "core/wire/problem.h"
 
@@ -106,11 +107,6 @@ bool Has(const RequestHead& head, std::string_view name) {
                      [&](const auto& header) { return header.first == name; });
 }
 
-std::string_view WithoutBlanks(std::string_view text) {
-  const size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
-
 // True if the lists in the headers of this name contain the token, in any case.
 bool ListNames(const RequestHead& head, std::string_view name, std::string_view token) {
   for (const auto& [header, value] : head.headers) {
@@ -118,11 +114,9 @@ bool ListNames(const RequestHead& head, std::string_view name, std::string_view 
       continue;
     }
     for (std::string_view rest = value; !rest.empty();) {
-      const size_t comma = std::min(rest.find(','), rest.size());
-      if (ToLowerAscii(WithoutBlanks(rest.substr(0, comma))) == token) {
+      if (ToLowerAscii(TrimBlanks(TakeElement(&rest))) == token) {
         return true;
       }
-      rest.remove_prefix(std::min(comma + 1, rest.size()));
     }
   }
   return false;
