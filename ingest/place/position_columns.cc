@@ -12,7 +12,7 @@ namespace {
 
 struct ColumnNames {
   std::string_view name;
-  std::array<std::string_view, 10> others;  // As Simplified writes them, likely ones first.
+  std::array<std::string_view, 16> others;  // As Simplified writes them, likely ones first.
 };
 
 constexpr ColumnNames kColumnNames[] = {
@@ -26,8 +26,14 @@ constexpr ColumnNames kColumnNames[] = {
      {"hm", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm",
       "heightm", "height"}},
     {"accuracy_m", {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy"}},
-    {"lat_ref", {"gpslatituderef"}},
-    {"lon_ref", {"gpslongituderef"}},
+    {"lat_ref",
+     {"latref", "gpslatituderef", "latituderef", "gpslatref", "refgpslatitude", "reflatitude",
+      "reflat", "ns", "northsouth", "nors", "nsindicator", "latns", "latitudens", "latdir",
+      "latitudedirection", "lathemisphere"}},
+    {"lon_ref",
+     {"lonref", "gpslongituderef", "longituderef", "gpslonref", "refgpslongitude", "reflongitude",
+      "reflon", "ew", "eastwest", "eorw", "ewindicator", "lonew", "longitudeew", "londir",
+      "longitudedirection", "lonhemisphere"}},
     {"h_ref", {"gpsaltituderef"}},
 };
 

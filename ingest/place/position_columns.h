@@ -13,8 +13,8 @@ namespace cairn {
 
 // Returns the column of a header that `name` means: the one of that name, else the first one whose
 // name other programs use for it, as exiftool does (SourceFile, GPSLatitude), Metashape (#Label,
-// Y/Latitude) and spreadsheets ("Latitude [deg]"). Case, blanks, signs, meters and degrees in
-// brackets and exiftool's groups ("EXIF:") do not count; its group Composite, which has signs,
+// Y/Latitude) and spreadsheets ("Latitude [deg]", "N/S"). Case, blanks, signs, meters and degrees
+// in brackets and exiftool's groups ("EXIF:") do not count; its group Composite, which has signs,
 // comes first. A column with another unit has none of these names, and heights beside widths are
 // those of pictures. Only image, lat_deg, lon_deg, h_m, accuracy_m, lat_ref, lon_ref and h_ref have
 // other names.

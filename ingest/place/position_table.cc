@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/printable.h"
+#include "ingest/place/hemispheres.h"
 #include "ingest/place/position_columns.h"
 
 namespace cairn {
@@ -65,6 +66,7 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
       column_of_name_.emplace(name, *column);
     }
   }
+  WithTablePath(path_, [&] { RequireKnownHemispheres(rows_); });
   are_above_sea_level_ = IsAboveSeaLevel(header[ColumnOf("h_m")]);
   num_columns_ = header.size();
 }
@@ -104,10 +106,21 @@ double PositionTable::Angle(const char* name, const char* ref_name, const char* 
   if (!angle_deg || !std::isfinite(*angle_deg)) {
     return Number(name);  // Throws.
   }
-  const bool is_negative =
-      Has(ref_name) &&
-      std::toupper(static_cast<unsigned char>(Text(ref_name)[0])) == hemispheres[1];
-  return is_negative ? -std::abs(*angle_deg) : *angle_deg;
+  return IsNegative(ref_name, hemispheres) ? -std::abs(*angle_deg) : *angle_deg;
+}
+
+bool PositionTable::IsNegative(const char* ref_name, const char* hemispheres) const {
+  if (!Has(ref_name)) {
+    return false;
+  }
+  // The rest of the word depends on the language: South, Sud, Sur.
+  const auto letter =
+      static_cast<char>(std::toupper(static_cast<unsigned char>(Text(ref_name)[0])));
+  if (letter != hemispheres[0] && letter != hemispheres[1]) {
+    Throw(fmt::format("column {}: '{}' is neither {} nor {}", ref_name, Excerpt(Text(ref_name)),
+                      hemispheres[0], hemispheres[1]));
+  }
+  return letter == hemispheres[1];
 }
 
 double PositionTable::Height() const {

@@ -16,7 +16,7 @@ namespace cairn {
 class PositionTable {
  public:
   // `required` has h_m. Throws Error(kBadInput) if one of these columns is missing; the message
-  // lists them and `accuracy_m`, which is optional.
+  // lists them and `accuracy_m`, which is optional. Throws as RequireKnownHemispheres, too.
   PositionTable(const std::string& path, std::initializer_list<const char*> required);
   PositionTable(const PositionTable&) = delete;  // rows_ views text_.
 
@@ -40,6 +40,7 @@ class PositionTable {
  private:
   size_t ColumnOf(const char* name) const { return column_of_name_.find(name)->second; }
   double Angle(const char* name, const char* ref_name, const char* hemispheres) const;
+  bool IsNegative(const char* ref_name, const char* hemispheres) const;
   double Height() const;
   double Meters(const char* name) const;  // With or without the unit.
 

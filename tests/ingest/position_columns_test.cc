@@ -5,6 +5,8 @@
 
 #include <fstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "ingest/place/georegister.h"
@@ -13,6 +15,7 @@
 namespace cairn {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Optional;
 
@@ -67,6 +70,35 @@ TEST(CameraPositionsOfPrograms, HemispheresHaveColumns) {
       "b.jpg,S,-33.5,E,70.5,570\n");
   ExpectPosition(positions.at(0), "a.jpg", -33.5, -70.5, 570.0);
   ExpectPosition(positions.at(1), "b.jpg", -33.5, 70.5, 570.0);
+}
+
+TEST(CameraPositionsOfPrograms, HemispheresHaveColumnsOfManyNames) {
+  for (const auto& [lat_ref, lon_ref] : std::vector<std::pair<std::string, std::string>>{
+           {"LatitudeRef", "LongitudeRef"},
+           {"N/S", "E/W"},
+           {"lat_ref", "lon_ref"},
+           {"North/South", "East/West"},
+           {"GPS Latitude Ref", "GPS Longitude Ref"}}) {
+    const auto positions = Read("image,lat," + lat_ref + ",lon," + lon_ref +
+                                ",alt\na,33.5,S,70.5,West,570\nb,33.5,n,70.5,E,570\n");
+    ExpectPosition(positions.at(0), "a", -33.5, -70.5, 570.0);
+    ExpectPosition(positions.at(1), "b", 33.5, 70.5, 570.0);
+  }
+}
+
+TEST(CameraPositionsOfPrograms, HemispheresUnderAnUnknownNameAreRefused) {
+  EXPECT_THAT(RefusalOf("image,lat,half,lon,alt\na,33.5,S,70.5,570\nb,33.5,,70.5,570\n"),
+              AllOf(HasSubstr("column 'half'"), HasSubstr("call it lat_ref")));
+  EXPECT_THAT(RefusalOf("image,lat,lon,side,alt\na,33.5,70.5,east,570\nb,33.5,70.5,west,570\n"),
+              AllOf(HasSubstr("column 'side'"), HasSubstr("call it lon_ref")));
+  // Nothing changes, or the letters are directions of something else.
+  EXPECT_EQ(Read("image,lat,half,lon,alt\na,33.5,N,70.5,570\n").size(), 1u);
+  EXPECT_EQ(Read("image,lat,lon,view,alt\na,3,7,S,570\nb,3,7,E,570\n").size(), 2u);
+}
+
+TEST(CameraPositionsOfPrograms, HemispheresAreOneOfTwo) {
+  EXPECT_THAT(RefusalOf("image,lat,lat_ref,lon,alt\na,33.5,E,70.5,570\n"),
+              HasSubstr("line 2: column lat_ref: 'E' is neither N nor S"));
 }
 
 TEST(CameraPositionsOfPrograms, MetashapeAndSpreadsheets) {
