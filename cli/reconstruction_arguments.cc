@@ -59,10 +59,13 @@ std::vector<CameraPosition> GpsOfDatabase(const Reconstruction& reconstruction,
 }
 
 std::vector<CameraPosition> PositionsOfTable(const Reconstruction& reconstruction,
-                                             const ReconstructionArguments& arguments) {
+                                             const ReconstructionArguments& arguments,
+                                             std::vector<std::string>* notes) {
   std::vector<CameraPosition> positions = ReadCameraPositions(arguments.georef_path);
   try {
-    NameAfterImages(reconstruction, &positions);
+    if (const auto note = NameAfterImages(reconstruction, &positions)) {
+      notes->push_back(*note);
+    }
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("{}: {}", arguments.georef_path, error.what()));
   }
@@ -165,13 +168,16 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   if (!arguments.control_path.empty()) {
     return PlaceByControl(reconstruction, arguments, options);
   }
+  std::vector<std::string> notes;
   std::vector<CameraPosition> positions = arguments.use_gps
                                               ? GpsOfDatabase(reconstruction, arguments)
-                                              : PositionsOfTable(reconstruction, arguments);
-  std::optional<std::string> note;
+                                              : PositionsOfTable(reconstruction, arguments, &notes);
   if (!arguments.use_gps) {
-    note = CompareWithExif(arguments.georef_path, positions,
-                           GpsPositions(reconstruction, arguments.gps_accuracy_m));
+    const auto note = CompareWithExif(arguments.georef_path, positions,
+                                      GpsPositions(reconstruction, arguments.gps_accuracy_m));
+    if (note) {
+      notes.push_back(*note);
+    }
   }
   const PositionFindings findings = CheckPositions(arguments.camera_height_m, &positions);
   MakeHeightsEllipsoidal(
@@ -186,9 +192,7 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
       folder.empty() ? ImageOrientations() : ReadOrientations(folder, reconstruction);
   Georegistration result = Georegister(reconstruction, positions, options, orientations);
   result.notes = NotesOn(reconstruction, findings, result);
-  if (note) {
-    result.notes.push_back(*note);
-  }
+  std::ranges::move(notes, std::back_inserter(result.notes));
   return result;
 }
 

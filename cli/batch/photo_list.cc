@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/logging.h"
 #include "core/printable.h"
 #include "ingest/place/georegister.h"
 #include "mapping/photos/photo_files.h"
@@ -160,7 +161,9 @@ void AddTablePriors(const std::string& table_path, HeightReference height,
     names.push_back((*photos)[i].name);
     photo_of_name.emplace((*photos)[i].name, i);
   }
-  for (const CameraPosition& row : ReadPositionsOfPhotos(table_path, names, default_accuracy_m)) {
+  std::vector<std::string> notes;
+  for (const CameraPosition& row :
+       ReadPositionsOfPhotos(table_path, names, &notes, default_accuracy_m)) {
     if (row.position.lat_rad == 0.0 && row.position.lon_rad == 0.0) {
       continue;
     }
@@ -168,6 +171,9 @@ void AddTablePriors(const std::string& table_path, HeightReference height,
     prior.position = WithEllipsoidalHeight(row.position, height);
     prior.accuracy_m = std::min(row.accuracy_m, PositionPrior::kMaxAccuracyM);
     (*photos)[photo_of_name.at(row.image_name)].prior = prior;
+  }
+  for (const std::string& note : notes) {
+    LogInfo("{}: {}", Printable(table_path), note);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
@@ -12,6 +13,26 @@
 #include "ingest/place/position_table.h"
 
 namespace cairn {
+namespace {
+
+// A sentence about the names that MatchNames does not find; nothing if it finds all.
+std::optional<std::string> NoteOnUnknown(const std::vector<std::string>& wanted,
+                                         const NameMatches& matches, const char* known) {
+  std::vector<std::string> unknown;
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    if (matches.known_of_wanted[i] < 0) {
+      unknown.push_back(wanted[i]);
+    }
+  }
+  if (unknown.empty()) {
+    return std::nullopt;
+  }
+  return fmt::format("{} of {} positions in the table are of no {}: {}", unknown.size(),
+                     wanted.size(), known, ExampleNames(unknown));
+}
+
+}  // namespace
+
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m) {
   PositionTable table(path, {"image", "lat_deg", "lon_deg", "h_m"});
@@ -50,6 +71,7 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
 
 std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
                                                   const std::vector<std::string>& photo_names,
+                                                  std::vector<std::string>* notes,
                                                   double default_accuracy_m) {
   std::vector<CameraPosition> positions = ReadCameraPositions(path, default_accuracy_m);
   std::vector<std::string> wanted;
@@ -79,10 +101,14 @@ std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
                 fmt::format("{}: none of its names ({}) is that of a photo ({})", Printable(path),
                             ExampleNames(wanted), ExampleNames(photo_names)));
   }
+  if (const auto note = NoteOnUnknown(wanted, matches, "photo")) {
+    notes->push_back(*note);
+  }
   return named;
 }
 
-void NameAfterImages(const Reconstruction& reconstruction, std::vector<CameraPosition>* positions) {
+std::optional<std::string> NameAfterImages(const Reconstruction& reconstruction,
+                                           std::vector<CameraPosition>* positions) {
   std::vector<std::string> image_names;
   for (const ReconImage& image : reconstruction.images) {
     image_names.push_back(image.name);
@@ -110,6 +136,7 @@ void NameAfterImages(const Reconstruction& reconstruction, std::vector<CameraPos
     LogInfo("{} positions have names that are written in another way in the model, e.g. '{}'",
             matches.num_inexact, Excerpt(names[matches.inexact_example]));
   }
+  return NoteOnUnknown(names, matches, "image of the model");
 }
 
 std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, double accuracy_m) {

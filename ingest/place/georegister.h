@@ -31,15 +31,19 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m = 5.0);
 
 // Reads such a table and gives the positions the names of the photos that MatchNames finds for
-// them; leaves out the others. Throws as ReadCameraPositions, and Error(kBadInput) if two rows are
-// of one photo, and, with names of both, if no row is of a photo.
+// them; leaves out the others, and adds a sentence to `notes` that says how many. Throws as
+// ReadCameraPositions, and Error(kBadInput) if two rows are of one photo, and, with names of both,
+// if no row is of a photo.
 std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
                                                   const std::vector<std::string>& photo_names,
+                                                  std::vector<std::string>* notes,
                                                   double default_accuracy_m = 5.0);
 
 // Gives the positions the names of the images that MatchNames (core/match_names.h) finds for them.
-// Throws Error(kBadInput), with names of both, if it finds none for all of them, or cannot decide.
-void NameAfterImages(const Reconstruction& reconstruction, std::vector<CameraPosition>* positions);
+// Returns a sentence if there are positions without an image. Throws Error(kBadInput), with names
+// of both, if it finds none for all of them, or cannot decide.
+std::optional<std::string> NameAfterImages(const Reconstruction& reconstruction,
+                                           std::vector<CameraPosition>* positions);
 
 // The GPS priors of the reconstruction's images. `accuracy_m` is for images whose source states no
 // accuracy. Heights are unchanged; EXIF heights are above mean sea level.

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -108,19 +110,37 @@ std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
   return results;
 }
 
+// For each digest the file to keep.
+std::map<std::string, size_t> FilesToKeep(const std::vector<PhotoFile>& files,
+                                          const std::vector<FileResult>& results,
+                                          const std::set<std::string>& names_to_keep) {
+  const auto rank = [&](size_t i) {
+    const std::string& name = files[i].name;
+    return std::tuple(!names_to_keep.contains(name), name.size(), std::string_view(name));
+  };
+  std::map<std::string, size_t> file_of_digest;
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (results[i].photo) {
+      const auto [kept, is_new] = file_of_digest.try_emplace(results[i].digest, i);
+      kept->second = rank(i) < rank(kept->second) ? i : kept->second;
+    }
+  }
+  return file_of_digest;
+}
+
 // Leaves out what has no photo and what is there twice.
-void LeaveOut(const std::vector<PhotoFile>& files, std::vector<FileResult>* results,
-              std::vector<LeftOutPhoto>* left_out) {
-  std::map<std::string, std::string> name_of_digest;
+void LeaveOut(const std::vector<PhotoFile>& files, const std::set<std::string>& names_to_keep,
+              std::vector<FileResult>* results, std::vector<LeftOutPhoto>* left_out) {
+  const auto file_of_digest = FilesToKeep(files, *results, names_to_keep);
   for (size_t i = 0; i < files.size(); ++i) {
     FileResult& result = (*results)[i];
     if (!result.photo) {
       left_out->push_back({files[i].name, result.reason});
       continue;
     }
-    const auto [first, is_new] = name_of_digest.try_emplace(result.digest, files[i].name);
-    if (!is_new) {
-      left_out->push_back({files[i].name, "is the same file as " + first->second});
+    const size_t kept = file_of_digest.at(result.digest);
+    if (kept != i) {
+      left_out->push_back({files[i].name, "is the same file as " + files[kept].name});
       result.photo.reset();
     }
   }
@@ -166,7 +186,7 @@ PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOp
   const std::vector<PhotoFile> files = FindPhotoFiles(paths);
   std::vector<FileResult> results = ReadAll(files, options, progress);
   PhotoFolder folder;
-  LeaveOut(files, &results, &folder.left_out);
+  LeaveOut(files, options.names_to_keep, &results, &folder.left_out);
   ContentHash hash;
   hash.Add(BytesOf(SiftKey(options.sift)));
   for (const Camera& camera : options.cameras) {

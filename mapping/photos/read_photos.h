@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct ReadPhotosOptions {
   const WorkFolder* work = nullptr;
   int num_threads = 1;                           // The result does not depend on it.
   std::optional<uint64_t> available_bytes = {};  // Of memory, for all stages of mapping.
+  // Of several copies of a photo, the one of such a name is kept: those of a table of positions.
+  std::set<std::string> names_to_keep = {};
 };
 
 struct LeftOutPhoto {
@@ -42,10 +45,11 @@ struct PhotoFolder {
 
 using PhotosProgress = std::function<void(int done, int total)>;
 
-// Photos that cannot be read or that are there twice are left out, each with a reason. `progress`
-// is called by one thread at a time. Throws as FindPhotoFiles; Error(kBadInput), with reasons, if
-// no photo can be read, or if mapping them would take more memory than there is; Error(kIo) if the
-// work folder cannot be written.
+// Photos that cannot be read or that are there twice are left out, each with a reason. Of copies,
+// the one of `names_to_keep` stays, or else the one of the shortest name. `progress` is called by
+// one thread at a time. Throws as FindPhotoFiles; Error(kBadInput), with reasons, if no photo can
+// be read, or if mapping them would take more memory than there is; Error(kIo) if the work folder
+// cannot be written.
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
                        const PhotosProgress& progress = {});
 

@@ -103,7 +103,8 @@ void Mapper::Read() {
                         .sift = options_.sift,
                         .work = work_.get(),
                         .num_threads = input_.num_threads,
-                        .available_bytes = AvailableMemoryBytes()},
+                        .available_bytes = AvailableMemoryBytes(),
+                        .names_to_keep = NamesInTable(input_)},
                        Reporter("photos"));
   const int num_read = static_cast<int>(folder_.set.photos.size());
   result_.num_photos = num_read + static_cast<int>(folder_.left_out.size());

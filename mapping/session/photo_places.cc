@@ -14,20 +14,26 @@ namespace {
 
 constexpr size_t kMinPositions = 3;
 
-// The photos of all folders of the table are compared with its names, so that a name that could be
-// of two folders is noticed. Photos that cannot be read are not in `set`, and have no position.
-std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input, const PhotoSet& set) {
+std::vector<std::string> NamesOf(const std::vector<PhotoFile>& files) {
   std::vector<std::string> names;
-  for (const PhotoFile& file : FindPhotoFiles(input.table_paths)) {
+  for (const PhotoFile& file : files) {
     names.push_back(file.name);
   }
+  return names;
+}
+
+// The photos of all folders of the table are compared with its names, so that a name that could be
+// of two folders is noticed. Photos that cannot be read are not in `set`, and have no position.
+std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input, const PhotoSet& set,
+                                               std::vector<std::string>* notes) {
+  const std::vector<std::string> names = NamesOf(FindPhotoFiles(input.table_paths));
   const std::string prefix = PrefixOfPhotos(input.paths.front());
   std::set<std::string> own_names;
   for (const MappingPhoto& photo : set.photos) {
     own_names.insert(prefix + photo.name);
   }
   std::vector<CameraPosition> own;
-  for (CameraPosition& position : ReadPositionsOfPhotos(input.positions_path, names)) {
+  for (CameraPosition& position : ReadPositionsOfPhotos(input.positions_path, names, notes)) {
     if (own_names.contains(position.image_name)) {
       position.image_name.erase(0, prefix.size());
       own.push_back(std::move(position));
@@ -36,15 +42,16 @@ std::vector<CameraPosition> PositionsOfFolders(const MapPhotosInput& input, cons
   return own;
 }
 
-std::vector<CameraPosition> PositionsOfTable(const MapPhotosInput& input, const PhotoSet& set) {
+std::vector<CameraPosition> PositionsOfTable(const MapPhotosInput& input, const PhotoSet& set,
+                                             std::vector<std::string>* notes) {
   if (input.table_paths.size() > 1) {
-    return PositionsOfFolders(input, set);
+    return PositionsOfFolders(input, set, notes);
   }
   std::vector<std::string> names;
   for (const MappingPhoto& photo : set.photos) {
     names.push_back(photo.name);
   }
-  return ReadPositionsOfPhotos(input.positions_path, names);
+  return ReadPositionsOfPhotos(input.positions_path, names, notes);
 }
 
 std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy_m) {
@@ -86,12 +93,31 @@ void AddNotes(const PositionFindings& findings, size_t num_positions, size_t num
 
 }  // namespace
 
+std::set<std::string> NamesInTable(const MapPhotosInput& input) {
+  if (input.positions_path.empty()) {
+    return {};
+  }
+  const bool has_folders = input.table_paths.size() > 1;
+  const std::vector<std::string> names =
+      NamesOf(FindPhotoFiles(has_folders ? input.table_paths : input.paths));
+  const std::string prefix = has_folders ? PrefixOfPhotos(input.paths.front()) : "";
+  std::vector<std::string> notes;
+  std::set<std::string> in_table;
+  for (const CameraPosition& position :
+       ReadPositionsOfPhotos(input.positions_path, names, &notes)) {
+    if (position.image_name.starts_with(prefix)) {
+      in_table.insert(position.image_name.substr(prefix.size()));
+    }
+  }
+  return in_table;
+}
+
 PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
                             std::vector<std::string>* notes) {
   const bool has_table = !input.positions_path.empty();
   PhotoSet& set = folder->set;
   std::vector<CameraPosition> positions =
-      has_table ? PositionsOfTable(input, set) : PositionsOfExif(set, input.gps_accuracy_m);
+      has_table ? PositionsOfTable(input, set, notes) : PositionsOfExif(set, input.gps_accuracy_m);
   RequireEnough(positions.size(), set.photos.size(), has_table);
   if (has_table) {
     const auto note = CompareWithExif(input.positions_path, positions,

@@ -2,6 +2,7 @@
 #ifndef CAIRN_MAPPING_SESSION_PHOTO_PLACES_H_
 #define CAIRN_MAPPING_SESSION_PHOTO_PLACES_H_
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,10 @@
 #include "mapping/session/map_photos.h"
 
 namespace cairn {
+
+// The names of the photos in `input.paths` that its table of positions has; none without a table.
+// Throws as ReadPositionsOfPhotos.
+std::set<std::string> NamesInTable(const MapPhotosInput& input);
 
 // Positions of a table replace those of the set, too, for the stages that compare distances; for
 // these, a photo whose EXIF states no accuracy has none. Adds sentences to `notes`. Throws

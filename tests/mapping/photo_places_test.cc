@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,6 +59,26 @@ TEST_F(PhotoPlacesTest, ATableReplacesExif) {
   EXPECT_NEAR(places.positions[0]->position.lat_deg(), kLatDeg + 1e-3, 1e-9);
   EXPECT_NEAR(folder_.set.photos[0].gps->lat_deg(), kLatDeg + 1e-3, 1e-9);
   EXPECT_TRUE(notes_.empty());
+}
+
+TEST_F(PhotoPlacesTest, SaysHowManyPositionsAreOfNoPhoto) {
+  folder_.set.photos.pop_back();
+  folder_.orientation_of_photo.pop_back();
+  Find(kLatDeg, kLonDeg);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_EQ(notes_[0], "1 of 4 positions in the table are of no photo: '3.jpg'");
+}
+
+TEST_F(PhotoPlacesTest, FindsThePhotosThatTheTableNames) {
+  const std::filesystem::path photos = dir_.path() / "photos";
+  std::filesystem::create_directories(photos);
+  for (const char* name : {"1.JPG", "1 (1).jpg", "9.jpg"}) {
+    std::ofstream(photos / name) << "";
+  }
+  input_.paths = {photos.string()};
+  EXPECT_TRUE(NamesInTable(input_).empty());
+  Find(kLatDeg, kLonDeg);
+  EXPECT_EQ(NamesInTable(input_), std::set<std::string>{"1.JPG"});
 }
 
 TEST_F(PhotoPlacesTest, RefusesLatitudesThatAreLongitudesByExif) {

@@ -84,6 +84,20 @@ TEST(ReadPhotos, LeavesOutWhatItCannotUseWithAReason) {
   EXPECT_NE(ReasonFor(folder, "phone.heic").find("JPEG"), std::string::npos);
 }
 
+TEST(ReadPhotos, KeepsTheCopyOfTheTableOrOfTheShortestName) {
+  const testing::TempDir dir;
+  for (const char* name : {"05 (1).pgm", "05.pgm", "Copy of 05.pgm"}) {
+    Write(dir.path() / name, Picture(1));
+  }
+  const PhotoFolder folder = ReadPhotos({dir.path()}, {});
+  ASSERT_EQ(folder.set.photos.size(), 1u);
+  EXPECT_EQ(folder.set.photos[0].name, "05.pgm");
+  EXPECT_EQ(ReasonFor(folder, "05 (1).pgm"), "is the same file as 05.pgm");
+  const PhotoFolder of_table = ReadPhotos({dir.path()}, {.names_to_keep = {"Copy of 05.pgm"}});
+  EXPECT_EQ(of_table.set.photos.at(0).name, "Copy of 05.pgm");
+  EXPECT_EQ(ReasonFor(of_table, "05.pgm"), "is the same file as Copy of 05.pgm");
+}
+
 TEST(ReadPhotos, TakesFeaturesFromTheWorkFolder) {
   const testing::TempDir dir;
   Write(dir.path() / "photos/a.pgm", Picture(1));
