@@ -22,7 +22,18 @@ constexpr std::array<std::string_view, 18> kEndings = {
     ".jpg", ".jpeg", ".png",  ".pgm",  ".ppm", ".pnm", ".heic", ".heif", ".tif",
     ".bmp", ".tiff", ".webp", ".avif", ".gif", ".dng", ".cr2",  ".nef",  ".jxl"};
 
-bool IsHidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+// Of network disks and archives: thumbnails, deleted files, resources. As hidden as those with a
+// dot.
+constexpr std::array<std::string_view, 5> kHiddenFolders = {"@eaDir", "@Recycle", "#recycle",
+                                                            "$RECYCLE.BIN", "__MACOSX"};
+
+bool IsHidden(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  std::error_code ignored;
+  return name.starts_with('.') ||
+         (std::find(kHiddenFolders.begin(), kHiddenFolders.end(), name) != kHiddenFolders.end() &&
+          entry.is_directory(ignored));
+}
 
 bool IsPhotoName(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -45,7 +56,7 @@ void AddFolder(const fs::path& folder, const std::string& prefix, std::vector<Ph
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, error), end;
   for (; !error && entry != end; entry.increment(error)) {
-    if (IsHidden(entry->path())) {
+    if (IsHidden(*entry)) {
       entry.disable_recursion_pending();
       continue;
     }

@@ -13,11 +13,11 @@ struct PhotoFile {
 };
 
 // All files in the folders and below whose name ends as that of a picture (.jpg, .png, .heic and
-// so on), in the order of their names. Hidden files and folders do not count, nor do links to
-// folders; links that lead nowhere do, so that the report names them. A path may also be a file.
-// With several paths, a name begins with the folder's own. Throws Error(kNotFound) if a path does
-// not exist, and Error(kBadInput), with what to do, if there is no such file, or if two folders
-// have one name.
+// so on), in the order of their names. Hidden files and folders do not count, as @eaDir, the
+// thumbnails of network disks, nor do links to folders; links that lead nowhere do, so that the
+// report names them. A path may also be a file. With several paths, a name begins with the folder's
+// own. Throws Error(kNotFound) if a path does not exist, and Error(kBadInput), with what to do, if
+// there is no such file, or if two folders have one name.
 std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths);
 
 // What the names of a folder's photos begin with if there are several paths: "monday/".

@@ -192,6 +192,20 @@ TEST(FindPhotoFiles, NamesPhotosOfSeveralFoldersAfterThem) {
   EXPECT_EQ(files[1].name, "tuesday/1.JPG");
 }
 
+TEST(FindPhotoFiles, SkipsThumbnailsOfNetworkDisks) {
+  const testing::TempDir dir;
+  for (const char* name :
+       {"1.jpg", "@eaDir/1.jpg/SYNOPHOTO_THUMB_XL.jpg", "b/.@__thumb/s1001.jpg",
+        "b/.thumbnails/1.jpg", "b/#recycle/0.jpg", "__MACOSX/1.jpg", "eaDir/2.jpg"}) {
+    Write(dir.path() / name, "");
+  }
+  const auto files = FindPhotoFiles({dir.path().string()});
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_EQ(files[0].name, "1.jpg");
+  EXPECT_EQ(files[1].name, "eaDir/2.jpg");
+  EXPECT_EQ(FindPhotoFiles({(dir.path() / "@eaDir").string()}).size(), 1u);
+}
+
 TEST(FindPhotoFiles, RefusesAFolderWithoutPhotos) {
   const testing::TempDir dir;
   EXPECT_THROW(FindPhotoFiles({dir.path().string()}), Error);
