@@ -150,6 +150,9 @@ std::vector<ListedPhoto> ReadPhotoList(const std::string& path, const std::strin
   for (PhotoFile& file : FindPhotoFiles({path})) {
     photos.push_back({.name = std::move(file.name), .path = std::move(file.path)});
   }
+  for (const MisnamedPhoto& misnamed : FindMisnamedPhotos({path})) {
+    LogWarning("{} {}", Excerpt(misnamed.name), misnamed.reason);
+  }
   return photos;
 }
 

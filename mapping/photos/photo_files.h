@@ -20,6 +20,16 @@ struct PhotoFile {
 // there is no such file, or if two folders have one name.
 std::vector<PhotoFile> FindPhotoFiles(const std::vector<std::string>& paths);
 
+struct MisnamedPhoto {
+  std::string name;    // As PhotoFile::name.
+  std::string reason;  // With what to do.
+};
+
+// The other files in the folders and below that are JPEG or PNG by their first bytes, in the order
+// of their names. Hidden files, links to folders and backup copies (.jpg_original, ~, .bak) do not
+// count.
+std::vector<MisnamedPhoto> FindMisnamedPhotos(const std::vector<std::string>& paths);
+
 // What the names of a folder's photos begin with if there are several paths: "monday/".
 std::string PrefixOfPhotos(const std::string& folder);
 

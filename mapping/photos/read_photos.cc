@@ -187,6 +187,9 @@ PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOp
   std::vector<FileResult> results = ReadAll(files, options, progress);
   PhotoFolder folder;
   LeaveOut(files, options.names_to_keep, &results, &folder.left_out);
+  for (const MisnamedPhoto& misnamed : FindMisnamedPhotos(paths)) {
+    folder.left_out.push_back({misnamed.name, misnamed.reason});
+  }
   ContentHash hash;
   hash.Add(BytesOf(SiftKey(options.sift)));
   for (const Camera& camera : options.cameras) {

@@ -45,11 +45,11 @@ struct PhotoFolder {
 
 using PhotosProgress = std::function<void(int done, int total)>;
 
-// Photos that cannot be read or that are there twice are left out, each with a reason. Of copies,
-// the one of `names_to_keep` stays, or else the one of the shortest name. `progress` is called by
-// one thread at a time. Throws as FindPhotoFiles; Error(kBadInput), with reasons, if no photo can
-// be read, or if mapping them would take more memory than there is; Error(kIo) if the work folder
-// cannot be written.
+// Photos that cannot be read, whose names do not end as that of a picture, or that are there twice
+// are left out, each with a reason. Of copies, the one of `names_to_keep` stays, or else the one of
+// the shortest name. `progress` is called by one thread at a time. Throws as FindPhotoFiles;
+// Error(kBadInput), with reasons, if no photo can be read, or if mapping them would take more
+// memory than there is; Error(kIo) if the work folder cannot be written.
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
                        const PhotosProgress& progress = {});
 

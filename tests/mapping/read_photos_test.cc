@@ -192,6 +192,32 @@ TEST(FindPhotoFiles, NamesPhotosOfSeveralFoldersAfterThem) {
   EXPECT_EQ(files[1].name, "tuesday/1.JPG");
 }
 
+TEST(FindPhotoFiles, KnowsAllEndingsOfJpeg) {
+  const testing::TempDir dir;
+  for (const char* name : {"1.JFIF", "2.jpe", "3.Mpo"}) {
+    Write(dir.path() / name, "");
+  }
+  EXPECT_EQ(FindPhotoFiles({dir.path().string()}).size(), 3u);
+}
+
+TEST(FindMisnamedPhotos, NamesPhotosOfOtherEndings) {
+  const testing::TempDir dir;
+  for (const char* name : {"1", "b/2.jpg.tmp", "3.jpg", "4.jpg_original", ".5"}) {
+    Write(dir.path() / name, "\xff\xd8\xff\xe0 and so on");
+  }
+  Write(dir.path() / "6.picture", "\x89PNG\r\n");
+  Write(dir.path() / "7.txt", "text");
+  Write(dir.path() / "8.pgm", Picture(1));
+  const auto misnamed = FindMisnamedPhotos({dir.path().string()});
+  ASSERT_EQ(misnamed.size(), 3u);
+  EXPECT_EQ(misnamed[0].name, "1");
+  EXPECT_NE(misnamed[0].reason.find("ends in .jpg"), std::string::npos);
+  EXPECT_EQ(misnamed[1].name, "6.picture");
+  EXPECT_NE(misnamed[1].reason.find("ends in .png"), std::string::npos);
+  EXPECT_EQ(misnamed[2].name, "b/2.jpg.tmp");
+  EXPECT_EQ(ReasonFor(ReadPhotos({dir.path()}, {}), "1"), misnamed[0].reason);
+}
+
 TEST(FindPhotoFiles, SkipsThumbnailsOfNetworkDisks) {
   const testing::TempDir dir;
   for (const char* name :
