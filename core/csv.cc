@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/utf16.h"
 
 namespace cairn {
 namespace {
@@ -48,8 +49,7 @@ std::string CsvNumber(double value) {
 }
 
 CsvReader::CsvReader(std::string_view text) : rest_(text) {
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
-      text.substr(0, 2).find('\0') != std::string_view::npos) {
+  if (IsUtf16(text)) {
     throw Error(ErrorCode::kBadInput, "the text is UTF-16; save it as UTF-8");
   }
   const size_t begin = std::min(text.find_first_not_of("\r\n"), text.size());

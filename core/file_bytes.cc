@@ -8,6 +8,8 @@
 #include <system_error>
 
 #include "core/error.h"
+#include "core/printable.h"
+#include "core/utf16.h"
 
 namespace cairn {
 namespace {
@@ -74,6 +76,10 @@ std::string ReadTextFile(const std::string& path, uint64_t max_bytes) {
   std::string text(bytes.begin(), bytes.end());
   if (text.starts_with(kByteOrderMark)) {
     text.erase(0, kByteOrderMark.size());
+  }
+  if (IsUtf16(text)) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: the text is UTF-16; save it as UTF-8", Printable(path)));
   }
   return text;
 }

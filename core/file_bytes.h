@@ -14,7 +14,7 @@ namespace cairn {
 std::vector<uint8_t> ReadFileBytes(const std::string& path, uint64_t max_bytes);
 
 // Reads a file as text, without the byte order mark that some programs write first. Throws what
-// ReadFileBytes throws.
+// ReadFileBytes throws, and Error(kBadInput) for UTF-16.
 std::string ReadTextFile(const std::string& path, uint64_t max_bytes);
 
 }  // namespace cairn

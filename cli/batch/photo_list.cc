@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/logging.h"
+#include "core/match_names.h"
 #include "core/printable.h"
 #include "ingest/place/georegister.h"
 #include "mapping/photos/photo_files.h"
@@ -110,6 +111,45 @@ void ForEachLine(std::string_view text, const Visit& visit) {
   }
 }
 
+// The files of the folder; none if it cannot be read.
+std::vector<PhotoFile> FilesIn(const fs::path& folder) {
+  try {
+    return FindPhotoFiles({folder.empty() ? "." : folder.string()});
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+// Gives photos that are not there the files whose names are written in another way.
+void FindNamesInFolder(const fs::path& folder, std::vector<ListedPhoto>* photos) {
+  const auto is_there = [](const ListedPhoto& photo) {
+    std::error_code ignored;
+    return fs::exists(photo.path, ignored);
+  };
+  if (std::all_of(photos->begin(), photos->end(), is_there)) {
+    return;
+  }
+  std::vector<std::string> wanted, known;
+  for (const ListedPhoto& photo : *photos) {
+    wanted.push_back(photo.name);
+  }
+  const std::vector<PhotoFile> files = FilesIn(folder);
+  for (const PhotoFile& file : files) {
+    known.push_back(file.name);
+  }
+  const NameMatches matches = MatchNames(wanted, known);
+  for (size_t i = 0; i < photos->size(); ++i) {
+    const int file_idx = matches.known_of_wanted[i];
+    if (file_idx >= 0 && !is_there((*photos)[i])) {
+      (*photos)[i].path = files[static_cast<size_t>(file_idx)].path;
+    }
+  }
+  if (matches.num_inexact > 0) {
+    LogInfo("{} names of the list are written in another way in the folder, e.g. {}",
+            matches.num_inexact, Excerpt(wanted[matches.inexact_example]));
+  }
+}
+
 std::vector<ListedPhoto> PhotosOfFile(const std::string& path, const std::string& image_dir) {
   const std::string text = ReadTextFile(path, kMaxListBytes);
   const fs::path folder = image_dir.empty() ? fs::path(path).parent_path() : fs::path(image_dir);
@@ -132,6 +172,7 @@ std::vector<ListedPhoto> PhotosOfFile(const std::string& path, const std::string
   if (photos.empty()) {
     throw Error(ErrorCode::kBadInput, fmt::format("{}: the list names no photo", Printable(path)));
   }
+  FindNamesInFolder(folder, &photos);
   return photos;
 }
 

@@ -22,8 +22,9 @@ struct ListedPhoto {
 // Reads the photos of a folder (FindPhotoFiles; FindMisnamedPhotos are logged), or those of a list:
 // a text file with a photo a line, in its order. A line is the name of a photo, or hloc's `name
 // MODEL width height param...` with COLMAP's models. A name is a path below `image_dir`; if that is
-// empty, below the folder of the list. Blank lines and lines that begin with '#' do not count. Does
-// not look whether the photos of a list are there.
+// empty, below the folder of the list. Blank lines and lines that begin with '#' do not count.
+// Photos that are not there have the paths of those that MatchNames finds for them in that folder,
+// or else keep a path that leads nowhere.
 //
 // Throws as FindPhotoFiles; Error(kBadInput), with file and line, for a malformed camera and for
 // a name that comes twice, and if the list is empty.

@@ -102,6 +102,23 @@ class LocalizeBatch : public ::testing::Test {
   TempDir dir_;
 };
 
+TEST_F(LocalizeBatch, ListsFindNamesThatAreWrittenInAnotherWay) {
+  AddPhoto("photos/day/IMG_1.JPG");
+  AddPhoto("photos/img_2.jpg");
+  const std::string list = Write("list.txt", "day\\img_1.jpg\nimg_2.jpg\nmissing.jpg\n");
+  const std::vector<ListedPhoto> photos = ReadPhotoList(list, dir_.File("photos"));
+  ASSERT_EQ(photos.size(), 3u);
+  EXPECT_EQ(photos[0].name, "day\\img_1.jpg");
+  EXPECT_EQ(photos[0].path, dir_.File("photos/day/IMG_1.JPG"));
+  EXPECT_EQ(photos[1].path, dir_.File("photos/img_2.jpg"));
+  EXPECT_EQ(photos[2].path, dir_.File("photos/missing.jpg"));
+}
+
+TEST_F(LocalizeBatch, ListsInUtf16AreRefusedByName) {
+  const std::string list = Write("list.txt", std::string("\xff\xfe\x61\0", 4));
+  ExpectError([&] { ReadPhotoList(list, ""); }, ErrorCode::kBadInput, "UTF-16");
+}
+
 TEST_F(LocalizeBatch, ListsHoldNamesAndCameras) {
   const std::string list = Write("lists/day.txt",
                                  "\xef\xbb\xbf# query list\r\n"
