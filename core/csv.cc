@@ -54,10 +54,20 @@ CsvReader::CsvReader(std::string_view text) : rest_(text) {
   }
   const size_t begin = std::min(text.find_first_not_of("\r\n"), text.size());
   separator_ = SeparatorOf(text.substr(begin, text.find_first_of("\r\n", begin) - begin));
+  TakeStatedSeparator();
 }
 
-std::optional<double> CsvReader::Number(size_t cell_idx) const {
-  std::string text = cells_[cell_idx];
+void CsvReader::TakeStatedSeparator() {
+  constexpr std::string_view kWord = "sep=";
+  const size_t size = std::min(rest_.find_first_of("\r\n"), rest_.size());
+  if (size == kWord.size() + 1 && rest_.starts_with(kWord)) {
+    separator_ = rest_[kWord.size()];
+    rest_.remove_prefix(size);
+    SkipEndOfLine();
+  }
+}
+
+std::optional<double> CsvReader::NumberOf(std::string text) const {
   if (separator_ != ',') {
     std::replace(text.begin(), text.end(), ',', '.');
   }

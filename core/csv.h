@@ -20,7 +20,8 @@ std::string CsvNumber(double value);
 // Reads the records of a text as spreadsheets and scripts write it. A cell in quotes may hold
 // separators, ends of lines and doubled quotes. Blanks around a cell do not count. Lines end with
 // LF, CR LF or CR; blank lines are skipped. The separator is a comma; it is a semicolon or a
-// tabulator if the first line has one and no comma outside of quotes.
+// tabulator if the first line has one and no comma outside of quotes. A first line "sep=;", which
+// Excel reads, names the separator and is no record.
 class CsvReader {
  public:
   // The text must outlive the reader. Throws Error(kBadInput) for text in UTF-16.
@@ -33,11 +34,14 @@ class CsvReader {
   const std::vector<std::string>& cells() const { return cells_; }
   // The number in a cell of the record; nothing if the cell has none or not only a number. May be
   // infinite or NaN. The decimal mark may be a comma if the separator is another character.
-  std::optional<double> Number(size_t cell_idx) const;
+  std::optional<double> Number(size_t cell_idx) const { return NumberOf(cells_[cell_idx]); }
+  // The same of any text.
+  std::optional<double> NumberOf(std::string text) const;
   int64_t line() const { return first_line_; }  // On which the record begins, from 1.
   char separator() const { return separator_; }
 
  private:
+  void TakeStatedSeparator();
   std::string QuotedCell();
   std::string PlainCell();
   bool AtEndOfLine() const;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <utility>
@@ -31,12 +32,30 @@ std::optional<std::string> NoteOnUnknown(const std::vector<std::string>& wanted,
                      wanted.size(), known, ExampleNames(unknown));
 }
 
+bool AreSame(const CameraPosition& a, const CameraPosition& b) {
+  return a.position.lat_rad == b.position.lat_rad && a.position.lon_rad == b.position.lon_rad &&
+         a.position.h_m == b.position.h_m && a.accuracy_m == b.accuracy_m &&
+         a.has_height == b.has_height;
+}
+
+// Two rows of one photo have to say the same.
+void RequireSame(const CameraPosition& first, const CameraPosition& second,
+                 const std::array<std::string, 2>& names, const std::string& path = "") {
+  if (!AreSame(first, second)) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}{}two rows, {} and {}, are positions of the photo {}; leave one",
+                            Printable(path), path.empty() ? "" : ": ", Excerpt(names[0]),
+                            Excerpt(names[1]), Excerpt(first.image_name)));
+  }
+}
+
 }  // namespace
 
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m) {
   PositionTable table(path, {"image", "lat_deg", "lon_deg", "h_m"});
   std::vector<CameraPosition> positions;
+  std::map<std::string, size_t> position_of_name;
   int num_empty = 0;
   while (table.NextRow()) {
     if (!table.Has("lat_deg") && !table.Has("lon_deg")) {
@@ -48,7 +67,14 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
     position.position = table.Position(position.image_name);
     position.accuracy_m = table.AccuracyOr(default_accuracy_m);
     position.has_height = table.Has("h_m");
-    positions.push_back(std::move(position));
+    const auto [first, is_new] =
+        position_of_name.try_emplace(position.image_name, positions.size());
+    if (is_new) {
+      positions.push_back(std::move(position));
+    } else if (!AreSame(positions[first->second], position)) {
+      table.Throw(fmt::format("the photo {} has another position in an earlier line; leave one",
+                              Excerpt(position.image_name)));
+    }
   }
   if (positions.empty()) {
     throw Error(ErrorCode::kBadInput,
@@ -80,18 +106,16 @@ std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
   }
   const NameMatches matches = MatchNames(wanted, photo_names);
   std::vector<CameraPosition> named;
-  std::map<std::string, std::string> wanted_of_known;
+  std::map<std::string, size_t> row_of_known;
   for (size_t i = 0; i < positions.size(); ++i) {
     if (matches.known_of_wanted[i] < 0) {
       continue;
     }
     const std::string& name = photo_names[matches.known_of_wanted[i]];
-    const auto [first, is_new] = wanted_of_known.try_emplace(name, wanted[i]);
+    const auto [first, is_new] = row_of_known.try_emplace(name, i);
     if (!is_new) {
-      throw Error(
-          ErrorCode::kBadInput,
-          fmt::format("{}: two rows, {} and {}, are positions of the photo {}; leave one",
-                      Printable(path), Excerpt(first->second), Excerpt(wanted[i]), Excerpt(name)));
+      RequireSame(positions[first->second], positions[i], {wanted[first->second], wanted[i]}, path);
+      continue;
     }
     positions[i].image_name = name;
     named.push_back(positions[i]);
@@ -119,11 +143,20 @@ std::optional<std::string> NameAfterImages(const Reconstruction& reconstruction,
   }
   const NameMatches matches = MatchNames(names, image_names);
   int num_matches = 0;
+  std::vector<CameraPosition> named;
+  std::map<int, size_t> row_of_image;
   for (size_t i = 0; i < names.size(); ++i) {
+    CameraPosition& position = (*positions)[i];
     if (const int image_idx = matches.known_of_wanted[i]; image_idx >= 0) {
-      (*positions)[i].image_name = image_names[image_idx];
+      const auto [first, is_new] = row_of_image.try_emplace(image_idx, i);
+      position.image_name = image_names[image_idx];
       ++num_matches;
+      if (!is_new) {
+        RequireSame((*positions)[first->second], position, {names[first->second], names[i]});
+        continue;
+      }
     }
+    named.push_back(position);
   }
   if (num_matches == 0) {
     throw Error(ErrorCode::kBadInput,
@@ -136,6 +169,7 @@ std::optional<std::string> NameAfterImages(const Reconstruction& reconstruction,
     LogInfo("{} positions have names that are written in another way in the model, e.g. '{}'",
             matches.num_inexact, Excerpt(names[matches.inexact_example]));
   }
+  *positions = std::move(named);
   return NoteOnUnknown(names, matches, "image of the model");
 }
 

@@ -25,8 +25,9 @@ struct CameraPosition {
 };
 
 // Reads a CSV of positions (core/csv.h, position_columns.h): image, lat_deg, lon_deg, h_m,
-// optionally accuracy_m. Leaves out rows without a position. Throws Error(kBadInput) that names
-// file, line and column, and if there is no position. Rows without an accuracy get the default.
+// optionally accuracy_m. Leaves out rows without a position, and counts equal rows of a photo once.
+// Throws Error(kBadInput) that names file, line and column, and if there is no position, or if a
+// photo has two. Rows without an accuracy get the default.
 std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m = 5.0);
 

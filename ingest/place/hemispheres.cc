@@ -17,13 +17,13 @@ namespace {
 
 struct HemisphereWord {
   char letter;
-  std::array<std::string_view, 3> words;
+  std::array<std::string_view, 4> words;
 };
 
 constexpr HemisphereWord kWords[] = {{'N', {"n", "north", "nord"}},
                                      {'S', {"s", "south", "sud"}},
-                                     {'E', {"e", "east", "est"}},
-                                     {'W', {"w", "west", "ouest"}}};
+                                     {'E', {"e", "east", "est", "ost"}},
+                                     {'W', {"w", "west", "ouest", "oeste"}}};
 
 // What the cells of one column are so far.
 struct CellsOfColumn {
@@ -38,8 +38,10 @@ std::vector<CellsOfColumn> CellsOfColumns(CsvReader rows, std::string_view hemis
     for (size_t i = 0; i < num_cells; ++i) {
       const std::string& cell = rows.cells()[i];
       const std::optional<char> letter = HemisphereOf(cell, hemispheres);
-      columns[i].are_hemispheres = columns[i].are_hemispheres && (letter || cell.empty());
-      columns[i].has_negative = columns[i].has_negative || letter == hemispheres[1];
+      const bool may_be_west = cell == "O" && hemispheres == "EW";
+      columns[i].are_hemispheres =
+          columns[i].are_hemispheres && (letter || may_be_west || cell.empty());
+      columns[i].has_negative = columns[i].has_negative || may_be_west || letter == hemispheres[1];
     }
   }
   return columns;
@@ -48,6 +50,9 @@ std::vector<CellsOfColumn> CellsOfColumns(CsvReader rows, std::string_view hemis
 }  // namespace
 
 std::optional<char> HemisphereOf(std::string_view word, std::string_view hemispheres) {
+  if (word.empty()) {
+    return std::nullopt;
+  }
   std::string small(word.substr(0, 10));
   std::transform(small.begin(), small.end(), small.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -79,6 +84,24 @@ void RequireKnownHemispheres(CsvReader rows) {
       }
     }
   }
+}
+
+std::optional<char> MeaningOfO(CsvReader rows) {
+  const std::vector<std::string> header = rows.cells();
+  bool has_east = false, has_west = false;
+  for (const char* name : {"lon_deg", "lon_ref"}) {
+    const std::optional<size_t> column = FindColumn(header, name);
+    for (CsvReader row = rows; column && row.Next();) {
+      const std::string cell = *column < row.cells().size() ? row.cells()[*column] : "";
+      const std::string ends = cell.empty() ? "" : std::string{cell.front(), cell.back()};
+      has_east = has_east || ends.find('E') != ends.npos;
+      has_west = has_west || ends.find('W') != ends.npos;
+    }
+  }
+  if (has_east == has_west) {
+    return std::nullopt;
+  }
+  return has_east ? 'W' : 'E';
 }
 
 }  // namespace cairn

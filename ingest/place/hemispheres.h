@@ -26,6 +26,11 @@ std::optional<char> HemisphereOf(std::string_view word, std::string_view hemisph
 // Kazakhstan.
 void RequireKnownHemispheres(CsvReader rows);
 
+// `rows` stands at the header of a table. What the letter O means in its longitudes, by the other
+// letters there: 'E' for Ost if there is West, 'W' for Ouest and Oeste if there is Est. Nothing if
+// there is neither or both.
+std::optional<char> MeaningOfO(CsvReader rows);
+
 }  // namespace cairn
 
 #endif  // CAIRN_INGEST_PLACE_HEMISPHERES_H_

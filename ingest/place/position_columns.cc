@@ -12,20 +12,26 @@ namespace {
 
 struct ColumnNames {
   std::string_view name;
-  std::array<std::string_view, 16> others;  // As Simplified writes them, likely ones first.
+  std::array<std::string_view, 17> others;  // As Simplified writes them, likely ones first.
 };
 
 constexpr ColumnNames kColumnNames[] = {
     {"image",
      {"image", "imagename", "sourcefile", "filename", "file", "photo", "photoname", "label",
-      "picture", "name"}},
-    {"lat_deg", {"latdeg", "latitude", "gpslatitude", "lat", "ylatitude", "latitudedeg"}},
+      "picture", "imagefile", "photofile", "imagefilename", "imagepath", "filepath", "path",
+      "name"}},
+    {"lat_deg",
+     {"latdeg", "latitude", "gpslatitude", "lat", "ylatitude", "latitudedeg", "latitudedd",
+      "latdd"}},
     {"lon_deg",
-     {"londeg", "longitude", "gpslongitude", "lon", "lng", "long", "xlongitude", "longitudedeg"}},
+     {"londeg", "longitude", "gpslongitude", "lon", "lng", "long", "xlongitude", "longitudedeg",
+      "longitudedd", "londd"}},
     {"h_m",
      {"hm", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm",
-      "heightm", "height"}},
-    {"accuracy_m", {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy"}},
+      "heightm", "ele", "height", "ellipsoidalheight", "ellipsoidheight", "heightellipsoidal",
+      "hae"}},
+    {"accuracy_m",
+     {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy", "accuracyhorizontal"}},
     {"lat_ref",
      {"latref", "gpslatituderef", "latituderef", "gpslatref", "refgpslatitude", "reflatitude",
       "reflat", "ns", "northsouth", "nors", "nsindicator", "latns", "latitudens", "latdir",
@@ -38,9 +44,9 @@ constexpr ColumnNames kColumnNames[] = {
 };
 
 // In brackets behind a name: what the column has anyway.
-constexpr std::string_view kUnits[] = {"",          "m",       "meter", "meters", "deg",
-                                       "degree",    "degrees", "n",     "e",      "ellipsoidal",
-                                       "ellipsoid", "wgs84",   "dd"};
+constexpr std::string_view kUnits[] = {
+    "",  "m",           "meter",     "meters", "deg", "degree",         "degrees",      "n",
+    "e", "ellipsoidal", "ellipsoid", "wgs84",  "dd",  "decimaldegrees", "decimaldegree"};
 
 char Lower(char letter) {
   return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
@@ -193,18 +199,63 @@ std::optional<double> AngleDeg(std::string_view text, std::string_view hemispher
 }
 
 std::optional<double> HeightM(std::string_view text) {
-  double height_m = 0.0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), height_m);
-  if (error != std::errc()) {
+  const char* const end = text.data() + text.size();
+  double height_m = 0.0, divisor = 1.0;
+  std::from_chars_result read = std::from_chars(text.data(), end, height_m);
+  const bool is_ratio = read.ec == std::errc() && read.ptr != end && *read.ptr == '/';
+  if (is_ratio) {
+    read = std::from_chars(read.ptr + 1, end, divisor);
+  }
+  if (read.ec != std::errc() || !(divisor > 0.0)) {
     return std::nullopt;
   }
-  std::string unit(rest, text.data() + text.size());
+  height_m /= divisor;
+  std::string unit(read.ptr, end);
   std::transform(unit.begin(), unit.end(), unit.begin(), Lower);
   unit.erase(std::remove(unit.begin(), unit.end(), ' '), unit.end());
   if (unit == "mbelowsealevel") {
     return -height_m;
   }
-  return unit == "m" || unit == "mabovesealevel" ? std::optional(height_m) : std::nullopt;
+  const bool has_unit = unit == "m" || unit == "mabovesealevel";
+  return has_unit || (is_ratio && unit.empty()) ? std::optional(height_m) : std::nullopt;
+}
+
+std::string PlainText(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> kPlain[] = {
+      {"\u2212", "-"}, {"\u00a0", " "}, {"\u202f", " "}, {"\u2009", " "}};
+  for (const auto& [special, plain] : kPlain) {
+    for (size_t at = text.find(special); at != text.npos; at = text.find(special, at)) {
+      text.replace(at, special.size(), plain);
+    }
+  }
+  return text;
+}
+
+std::string WithoutBlanksAround(const std::string& text) {
+  constexpr std::string_view kBlanks[] = {" ", "\t", "\u00a0", "\u202f"};
+  std::string_view rest = text;
+  for (bool has_changed = true; has_changed;) {
+    has_changed = false;
+    for (const std::string_view blank : kBlanks) {
+      if (rest.starts_with(blank)) {
+        rest.remove_prefix(blank.size());
+        has_changed = true;
+      }
+      if (rest.ends_with(blank)) {
+        rest.remove_suffix(blank.size());
+        has_changed = true;
+      }
+    }
+  }
+  return std::string(rest);
+}
+
+bool StandsForNothing(std::string_view text) {
+  constexpr std::string_view kNothing[] = {"",    "-",   "undef", "inf",  "na",
+                                           "n/a", "nan", "none",  "null", "#n/a"};
+  std::string small(text.substr(0, 10));
+  std::transform(small.begin(), small.end(), small.begin(), Lower);
+  return std::find(std::begin(kNothing), std::end(kNothing), small) != std::end(kNothing);
 }
 
 }  // namespace cairn

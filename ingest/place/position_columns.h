@@ -30,9 +30,19 @@ bool IsAboveSeaLevel(std::string_view column_name);
 // are not in [0, 60), and if a fraction stands before another number.
 std::optional<double> AngleDeg(std::string_view text, std::string_view hemispheres);
 
-// The height of a text such as exiftool's "37.2 m Above Sea Level"; meters, negative if it says
-// below. Nothing for other texts.
+// The height of a text such as exiftool's "37.2 m Above Sea Level" or EXIF's "3720/100"; meters,
+// negative if it says below. Nothing for other texts, such as plain numbers.
 std::optional<double> HeightM(std::string_view text);
+
+// The text with plain signs for the minus of typographers and for blanks that do not break.
+std::string PlainText(std::string text);
+
+// The text without blanks at its ends, plain ones and those that do not break.
+std::string WithoutBlanksAround(const std::string& text);
+
+// True for what programs write if there is no value: nothing, NA, nan, null, None, undef, - and so
+// on.
+bool StandsForNothing(std::string_view text);
 
 }  // namespace cairn
 

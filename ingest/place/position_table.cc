@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
@@ -54,10 +55,7 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
   for (const char* name : required) {
     const std::optional<size_t> column = FindColumn(header, name);
     if (!column) {
-      Throw(
-          fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m{}",
-                      name, fmt::join(required, ", "),
-                      rows_.Number(header.size() - 1) ? "; this line looks like a position" : ""));
+      ThrowNoColumn(name, required, header);
     }
     column_of_name_.emplace(name, *column);
   }
@@ -68,40 +66,103 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
   }
   WithTablePath(path_, [&] { RequireKnownHemispheres(rows_); });
   are_above_sea_level_ = IsAboveSeaLevel(header[ColumnOf("h_m")]);
+  meaning_of_o_ = MeaningOfO(rows_);
   num_columns_ = header.size();
+  while (num_columns_ > 0 && header[num_columns_ - 1].empty()) {
+    --num_columns_;
+  }
+}
+
+void PositionTable::ThrowNoColumn(const char* name, std::initializer_list<const char*> required,
+                                  const std::vector<std::string>& header) const {
+  std::string hint = rows_.Number(header.size() - 1) ? "; this line looks like a position" : "";
+  // Control points need their heights.
+  if (std::string_view(name) == "h_m" && std::string_view(*required.begin()) == "image") {
+    hint +=
+        ". If no height is known, leave the cells of that column empty; cairn map and cairn "
+        "ingest then take --camera-height M";
+  }
+  Throw(fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m{}", name,
+                    fmt::join(required, ", "), hint));
 }
 
 bool PositionTable::NextRow() {
-  if (!WithTablePath(path_, [&] { return rows_.Next(); })) {
-    return false;
+  const auto next = [&] { return WithTablePath(path_, [&] { return rows_.Next(); }); };
+  if (num_columns_ == 0) {
+    return next();  // The header.
   }
-  if (num_columns_ != 0 && rows_.cells().size() != num_columns_) {
+  while (next()) {
+    TakeCells();
+    if (!IsComment()) {
+      RequireColumns();
+      return true;
+    }
+  }
+  return false;
+}
+
+void PositionTable::TakeCells() {
+  cells_ = rows_.cells();
+  for (std::string& cell : cells_) {
+    cell = WithoutBlanksAround(cell);
+  }
+  for (const auto& [name, column] : column_of_name_) {
+    if (name != "image" && name != "point" && column < cells_.size()) {
+      cells_[column] = WithoutBlanksAround(PlainText(cells_[column]));
+    }
+  }
+}
+
+// A photo's name may begin with '#', too; then the latitude has digits.
+bool PositionTable::IsComment() const {
+  return cells_.front().starts_with('#') &&
+         (cells_.size() < num_columns_ ||
+          Text("lat_deg").find_first_of("0123456789") == std::string::npos);
+}
+
+void PositionTable::RequireColumns() const {
+  const auto extra_begin =
+      cells_.begin() + static_cast<int64_t>(std::min(num_columns_, cells_.size()));
+  const bool has_more =
+      std::any_of(extra_begin, cells_.end(), [](const std::string& cell) { return !cell.empty(); });
+  if (cells_.size() < num_columns_ || has_more) {
     Throw(fmt::format("{} columns, but the header has {}; put a name with a '{}' in quotes",
-                      rows_.cells().size(), num_columns_, rows_.separator()));
+                      cells_.size(), num_columns_, rows_.separator()));
   }
-  return true;
 }
 
 bool PositionTable::Has(const char* name) const {
-  if (!column_of_name_.contains(name)) {
-    return false;
-  }
-  const std::string& text = Text(name);
-  return !text.empty() && text != "-" && text != "undef" && text != "inf";
+  return column_of_name_.contains(name) && !StandsForNothing(Text(name));
 }
 
 double PositionTable::Number(const char* name) const {
-  const std::optional<double> value = rows_.Number(ColumnOf(name));
+  const std::optional<double> value = rows_.NumberOf(Text(name));
   if (!value || !std::isfinite(*value)) {
     Throw(fmt::format("column {}: '{}' is not a number", name, Excerpt(Text(name))));
   }
   return *value;
 }
 
+std::string PositionTable::AngleText(const char* name, std::string_view hemispheres) const {
+  std::string text = Text(name);
+  if (rows_.separator() != ',') {
+    std::replace(text.begin(), text.end(), ',', '.');
+  }
+  const size_t at = text.starts_with('O') ? 0 : text.size() - 1;
+  if (hemispheres == "EW" && !text.empty() && text[at] == 'O') {
+    if (!meaning_of_o_) {
+      Throw(fmt::format("column {}: 'O' may be east (Ost) or west (Ouest, Oeste); write E or W",
+                        name));
+    }
+    text[at] = *meaning_of_o_;
+  }
+  return text;
+}
+
 double PositionTable::Angle(const char* name, const char* ref_name, const char* hemispheres) const {
-  std::optional<double> angle_deg = rows_.Number(ColumnOf(name));
+  std::optional<double> angle_deg = rows_.NumberOf(Text(name));
   if (!angle_deg) {
-    angle_deg = AngleDeg(Text(name), hemispheres);
+    angle_deg = AngleDeg(AngleText(name, hemispheres), hemispheres);
   }
   if (!angle_deg || !std::isfinite(*angle_deg)) {
     return Number(name);  // Throws.
@@ -114,8 +175,11 @@ bool PositionTable::IsNegative(const char* ref_name, const char* hemispheres) co
     return false;
   }
   // The rest of the word depends on the language: South, Sud, Sur.
-  const auto letter =
-      static_cast<char>(std::toupper(static_cast<unsigned char>(Text(ref_name)[0])));
+  const auto first = static_cast<char>(std::toupper(static_cast<unsigned char>(Text(ref_name)[0])));
+  char letter = HemisphereOf(Text(ref_name), hemispheres).value_or(first);
+  if (letter == 'O' && hemispheres[1] == 'W' && meaning_of_o_) {
+    letter = *meaning_of_o_;
+  }
   if (letter != hemispheres[0] && letter != hemispheres[1]) {
     Throw(fmt::format("column {}: '{}' is neither {} nor {}", ref_name, Excerpt(Text(ref_name)),
                       hemispheres[0], hemispheres[1]));
@@ -133,7 +197,11 @@ double PositionTable::Height() const {
 }
 
 double PositionTable::Meters(const char* name) const {
-  const std::optional<double> with_unit = HeightM(Text(name));
+  std::string text = Text(name);
+  if (rows_.separator() != ',') {
+    std::replace(text.begin(), text.end(), ',', '.');
+  }
+  const std::optional<double> with_unit = HeightM(text);
   return with_unit ? *with_unit : Number(name);
 }
 

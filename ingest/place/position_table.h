@@ -4,7 +4,10 @@
 
 #include <initializer_list>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/csv.h"
 #include "core/geodesy.h"
@@ -20,12 +23,12 @@ class PositionTable {
   PositionTable(const std::string& path, std::initializer_list<const char*> required);
   PositionTable(const PositionTable&) = delete;  // rows_ views text_.
 
-  bool NextRow();  // Moves to the next row; false after the last.
+  // Moves to the next row; false after the last. Rows that begin with '#' and have no position are
+  // comments.
+  bool NextRow();
 
-  // True if the row has something in this column; exiftool writes '-', 'undef' or 'inf' for
-  // nothing.
-  bool Has(const char* name) const;
-  const std::string& Text(const char* name) const { return rows_.cells()[ColumnOf(name)]; }
+  bool Has(const char* name) const;  // False if the cell stands for nothing.
+  const std::string& Text(const char* name) const { return cells_[ColumnOf(name)]; }
   double Number(const char* name) const;  // Finite.
 
   // The columns lat_deg, lon_deg and h_m, with 0 for no height; `what` names the thing that is
@@ -39,6 +42,12 @@ class PositionTable {
 
  private:
   size_t ColumnOf(const char* name) const { return column_of_name_.find(name)->second; }
+  void TakeCells();
+  bool IsComment() const;
+  void RequireColumns() const;
+  [[noreturn]] void ThrowNoColumn(const char* name, std::initializer_list<const char*> required,
+                                  const std::vector<std::string>& header) const;
+  std::string AngleText(const char* name, std::string_view hemispheres) const;
   double Angle(const char* name, const char* ref_name, const char* hemispheres) const;
   bool IsNegative(const char* ref_name, const char* hemispheres) const;
   double Height() const;
@@ -47,8 +56,10 @@ class PositionTable {
   std::string path_;
   std::string text_;
   CsvReader rows_;
+  std::vector<std::string> cells_;  // Of the row, with plain signs but in names.
+  std::optional<char> meaning_of_o_;
   std::map<std::string, size_t, std::less<>> column_of_name_;
-  size_t num_columns_ = 0;
+  size_t num_columns_ = 0;  // Of the header, without empty cells at its end.
   bool are_above_sea_level_ = false;
 };
 

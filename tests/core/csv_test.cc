@@ -81,6 +81,15 @@ TEST(CsvReader, FindsTheSeparatorInTheFirstLine) {
   EXPECT_EQ(RecordsOf("a;x,b\n1;2,3"), (Records{{"a;x", "b"}, {"1;2", "3"}}));
 }
 
+TEST(CsvReader, TheFirstLineMayNameTheSeparator) {
+  EXPECT_EQ(RecordsOf("sep=;\r\na,b;c\n"), (Records{{"a,b", "c"}}));
+  EXPECT_EQ(RecordsOf("sep=,\na,b\n"), (Records{{"a", "b"}}));
+  EXPECT_EQ(RecordsOf("sep=x,y\n"), (Records{{"sep=x", "y"}}));
+  CsvReader reader("sep=|\na|b\n");
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.line(), 2);
+}
+
 TEST(CsvReader, NumbersMayHaveAPlusAndADecimalComma) {
   CsvReader comma("1.5,+2,\"-3e2\",1.5m,");
   ASSERT_TRUE(comma.Next());

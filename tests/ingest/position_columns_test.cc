@@ -170,6 +170,64 @@ TEST(CameraPositionsOfPrograms, ARowInPlaceOfTheHeaderIsNoticed) {
               HasSubstr("this line looks like a position"));
 }
 
+TEST(CameraPositionsOfPrograms, NamesOfColumnsOfPix4dAndSurveyors) {
+  for (const char* header :
+       {"imagename,latitude [decimal degrees],longitude [decimal degrees],altitude [meter]",
+        "Image File,Latitude_DD,Longitude_DD,Ellipsoidal height", "path,lat,lon,HAE",
+        "image_path,lat,lon,ele"}) {
+    ExpectPosition(Read(std::string(header) + "\na,47,8,400\n").at(0), "a", 47.0, 8.0, 400.0);
+  }
+}
+
+TEST(CameraPositionsOfPrograms, NothingHasManyNames) {
+  const auto positions =
+      Read("image,lat,lon,alt,accuracy_m\na,NA,nan,None,\nb,47,8,N/A,null\nc,47,8,NaN,NA\n");
+  ASSERT_EQ(positions.size(), 2u);
+  EXPECT_FALSE(positions[0].has_height);
+  EXPECT_EQ(positions[1].accuracy_m, 5.0);
+}
+
+TEST(CameraPositionsOfPrograms, CommentsMayStandAnywhere) {
+  const auto positions = Read(
+      "#Label,lat,lon,alt,error\n# May\n#1.jpg,47,8,400,0\n# Markers "
+      "(1)\n#Label,lat,lon,alt,error\n"
+      "# Total Error,,,,0.12\n");
+  ASSERT_EQ(positions.size(), 1u);
+  EXPECT_EQ(positions[0].image_name, "#1.jpg");
+}
+
+TEST(CameraPositionsOfPrograms, ADelimiterAtTheEndDoesNotCount) {
+  EXPECT_EQ(Read("sep=;\nimage;lat;lon;alt\na;47;8;400;\nb;47;8;400\n").size(), 2u);
+  EXPECT_EQ(Read("image,lat,lon,alt,\na,47,8,400,,\nb,47,8,400\n").size(), 2u);
+  EXPECT_THAT(RefusalOf("image,lat,lon,alt\na,47,8,400,5\n"), HasSubstr("5 columns"));
+}
+
+TEST(CameraPositionsOfPrograms, SignsOfTypographersAndUnitsWithCommas) {
+  const auto positions = Read(
+      "image;lat;lon;alt\na\u00a0;\u221247,5\u00b0;8,5\u00a0W;37,5\u202fm\nb;47;8;\u2212370/100\n");
+  ExpectPosition(positions.at(0), "a", -47.5, -8.5, 37.5);
+  ExpectPosition(positions.at(1), "b", 47.0, 8.0, -3.7);
+}
+
+TEST(CameraPositionsOfPrograms, TheLetterOIsEastOrWest) {
+  EXPECT_NEAR(Read("image,lat,lon,alt\na,47,8 O,4\nb,47,8 W,4\n")[0].position.lon_deg(), 8, 1e-9);
+  EXPECT_NEAR(Read("image,lat,lon,alt\na,47,8 O,4\nb,47,8 E,4\n")[0].position.lon_deg(), -8, 1e-9);
+  EXPECT_NEAR(Read("image,lat,lon,lon_ref,alt\na,47,8,Ouest,4\n")[0].position.lon_deg(), -8, 1e-9);
+  EXPECT_THAT(RefusalOf("image,lat,lon,alt\na,47,8 O,4\n"),
+              HasSubstr("'O' may be east (Ost) or west (Ouest, Oeste)"));
+  EXPECT_THAT(RefusalOf("image,lat,lon,lon_ref,alt\na,47,8,O,4\n"), HasSubstr("column lon_ref"));
+}
+
+TEST(CameraPositionsOfPrograms, APhotoHasOnePosition) {
+  EXPECT_EQ(Read("image,lat,lon,alt\na,47,8,400\na,47.0,8,400\n").size(), 1u);
+  EXPECT_THAT(RefusalOf("image,lat,lon,alt\na,47,8,400\nb,47,8,400\na,47,8,401\n"),
+              AllOf(HasSubstr("line 4"), HasSubstr("the photo a has another position")));
+}
+
+TEST(CameraPositionsOfPrograms, WithoutAColumnOfHeightsTheRefusalSaysWhatToDo) {
+  EXPECT_THAT(RefusalOf("image,lat,lon\na,47,8\n"), HasSubstr("--camera-height"));
+}
+
 TEST(AngleDeg, ReadsSignsOfAllKinds) {
   EXPECT_THAT(AngleDeg("55\u00b030'36\"N", "NS"), Optional(55.51));
   EXPECT_THAT(AngleDeg("S 55\u00b030.6\u2032", "NS"), Optional(-55.51));
@@ -190,6 +248,8 @@ TEST(AngleDeg, RefusesOtherTexts) {
 TEST(HeightM, ReadsUnits) {
   EXPECT_THAT(HeightM("37.5 m Above Sea Level"), Optional(37.5));
   EXPECT_THAT(HeightM("37.5 m"), Optional(37.5));
+  EXPECT_THAT(HeightM("3750/100"), Optional(37.5));
+  EXPECT_EQ(HeightM("37.5/0"), std::nullopt);
   EXPECT_EQ(HeightM("37.5 ft"), std::nullopt);
   EXPECT_EQ(HeightM("high"), std::nullopt);
 }
