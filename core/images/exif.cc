@@ -31,6 +31,7 @@ constexpr uint16_t kFocalPlaneUnitTag = 0xa210;
 constexpr uint16_t kLatitudeRefTag = 0x01, kLatitudeTag = 0x02;
 constexpr uint16_t kLongitudeRefTag = 0x03, kLongitudeTag = 0x04;
 constexpr uint16_t kAltitudeRefTag = 0x05, kAltitudeTag = 0x06;
+constexpr uint16_t kStatusTag = 0x09;
 constexpr uint16_t kPositioningErrorTag = 0x1f;
 
 // Reads degrees, minutes and seconds with a reference letter. Minutes and seconds may be missing.
@@ -68,6 +69,13 @@ void ReadGps(const TiffDirectory& gps, ExifInfo* info) {
   if (!lat_rad || !lon_rad || (*lat_rad == 0.0 && *lon_rad == 0.0)) {
     return;
   }
+  info->gps_is_void = gps.Letter(kStatusTag) == 'V';
+  if (info->gps_is_void) {
+    return;
+  }
+  const char north_south = gps.Letter(kLatitudeRefTag), east_west = gps.Letter(kLongitudeRefTag);
+  info->gps_lacks_hemisphere =
+      (north_south != 'N' && north_south != 'S') || (east_west != 'E' && east_west != 'W');
   info->gps = Geodetic{*lat_rad, *lon_rad, 0.0};
   ReadAltitude(gps, info);
   const std::optional<double> error_m = gps.Number(kPositioningErrorTag);

@@ -18,6 +18,10 @@ struct ExifInfo {
   // Height as in the file. Latitude and longitude 0 are those of a receiver without a fix; they
   // count as no position.
   std::optional<Geodetic> gps;
+  // The file does not say north or south, or east or west: north and east are assumed.
+  bool gps_lacks_hemisphere = false;
+  // The receiver marked its position as void (GPSStatus V): `gps` is empty.
+  bool gps_is_void = false;
   bool has_altitude = false;
   // Reference of the height: sea level by default; since EXIF 3, a file may state the ellipsoid.
   HeightReference height_reference = HeightReference::kMeanSeaLevel;

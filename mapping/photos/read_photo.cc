@@ -48,6 +48,8 @@ void PutExif(const ExifInfo& exif, ByteWriter* writer) {
   writer->Put<int32_t>(exif.original_width_px);
   writer->Put<int32_t>(exif.original_height_px);
   writer->Put<uint64_t>(exif.camera_kind);
+  writer->Put<uint8_t>(exif.gps_lacks_hemisphere ? 1 : 0);
+  writer->Put<uint8_t>(exif.gps_is_void ? 1 : 0);
 }
 
 ExifInfo GetExif(ByteReader* reader) {
@@ -73,6 +75,8 @@ ExifInfo GetExif(ByteReader* reader) {
   exif.original_width_px = reader->Get<int32_t>();
   exif.original_height_px = reader->Get<int32_t>();
   exif.camera_kind = reader->Get<uint64_t>();
+  exif.gps_lacks_hemisphere = reader->Get<uint8_t>() != 0;
+  exif.gps_is_void = reader->Get<uint8_t>() != 0;
   return exif;
 }
 

@@ -41,7 +41,7 @@ std::span<const uint8_t> BytesOf(const std::string& text) {
 // What a photo as it was read depends on. The first number changes if the extractor does, or what
 // is read of the EXIF.
 std::string SiftKey(const SiftOptions& sift) {
-  return fmt::format("sift 2 {} {}", sift.max_features, sift.max_pixels);
+  return fmt::format("sift 3 {} {}", sift.max_features, sift.max_pixels);
 }
 
 // Nothing, and the reason in `result`, if the file cannot be read.
@@ -215,6 +215,9 @@ PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOp
     }
     hash.Add(BytesOf(files[i].name + "\n" + results[i].digest + "\n"));
     folder.num_from_work += results[i].from_work ? 1 : 0;
+    const ExifInfo& exif = results[i].photo->exif;
+    folder.num_without_hemisphere += exif.gps_lacks_hemisphere ? 1 : 0;
+    folder.num_void_positions += exif.gps_is_void ? 1 : 0;
     const size_t idx = folder.set.photos.size();
     folder.orientation_of_photo.push_back(results[i].photo->has_exif
                                               ? std::optional(results[i].photo->exif.orientation)

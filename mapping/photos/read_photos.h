@@ -40,6 +40,8 @@ struct PhotoFolder {
   std::vector<std::string> notes;  // For people.
   // Names the content of all photos and the options: the same digest, the same set.
   std::string digest;
+  // Photos whose EXIF states no hemisphere, and those whose position is void: ExifInfo.
+  int num_without_hemisphere = 0, num_void_positions = 0;
   int num_from_work = 0;  // Photos whose features the work folder had.
 };
 

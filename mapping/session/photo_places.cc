@@ -65,13 +65,32 @@ std::vector<CameraPosition> PositionsOfExif(const PhotoSet& set, double accuracy
   return positions;
 }
 
-void RequireEnough(size_t num_positions, size_t num_photos, bool has_table) {
+void RequireEnough(size_t num_positions, const PhotoFolder& folder, bool has_table) {
   if (num_positions < kMinPositions) {
-    throw Error(
-        ErrorCode::kBadInput,
-        fmt::format("{} of {} photos have a position {}, so their place on Earth is "
-                    "unknown; give positions of three photos or more: --gps CSV",
-                    num_positions, num_photos, has_table ? "in the table" : "in their EXIF"));
+    const std::string num_void =
+        has_table || folder.num_void_positions == 0
+            ? ""
+            : fmt::format(" ({} more have a void one, GPSStatus V)", folder.num_void_positions);
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{} of {} photos have a position {}{}, so their place on Earth is "
+                            "unknown; give positions of three photos or more: --gps CSV",
+                            num_positions, folder.set.photos.size(),
+                            has_table ? "in the table" : "in their EXIF", num_void));
+  }
+}
+
+void AddNotesOnExif(const PhotoFolder& folder, std::vector<std::string>* notes) {
+  if (folder.num_without_hemisphere > 0) {
+    notes->push_back(fmt::format(
+        "{} photos have a position whose hemisphere is not stated (GPSLatitudeRef, "
+        "GPSLongitudeRef); they are taken as north and east. If they are not, give --gps CSV",
+        folder.num_without_hemisphere));
+  }
+  if (folder.num_void_positions > 0) {
+    notes->push_back(
+        fmt::format("{} photos have a position that the receiver marked as void (GPSStatus V); "
+                    "these do not count",
+                    folder.num_void_positions));
   }
 }
 
@@ -118,16 +137,18 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
   PhotoSet& set = folder->set;
   std::vector<CameraPosition> positions =
       has_table ? PositionsOfTable(input, set, notes) : PositionsOfExif(set, input.gps_accuracy_m);
-  RequireEnough(positions.size(), set.photos.size(), has_table);
+  RequireEnough(positions.size(), *folder, has_table);
   if (has_table) {
     const auto note = CompareWithExif(input.positions_path, positions,
                                       PositionsOfExif(set, input.gps_accuracy_m));
     if (note) {
       notes->push_back(*note);
     }
+  } else {
+    AddNotesOnExif(*folder, notes);
   }
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
-  RequireEnough(positions.size(), set.photos.size(), has_table);  // Without those at 0, 0.
+  RequireEnough(positions.size(), *folder, has_table);  // Without those at 0, 0.
   AddNotes(findings, positions.size(), set.photos.size(), notes);
   MakeHeightsEllipsoidal(input.height.value_or(has_table ? HeightReference::kEllipsoid
                                                          : HeightReference::kMeanSeaLevel),

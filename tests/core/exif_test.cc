@@ -86,6 +86,26 @@ Bytes BlockWith(const testing::ExifDirectory& more_first, const testing::ExifDir
   return tiff;
 }
 
+TEST(Exif, SaysIfHemispheresAreMissing) {
+  ExifContent content = PhonePhoto(true);
+  EXPECT_FALSE(ReadBlock(ExifBlock(content)).gps_lacks_hemisphere);
+  content.more_gps = {{3, ExifWriter::Text("")}};
+  const ExifInfo exif = ReadBlock(ExifBlock(content));
+  EXPECT_TRUE(exif.gps_lacks_hemisphere);
+  EXPECT_NEAR(exif.gps.value().lon_deg(), 151.215297, 1e-7);
+}
+
+TEST(Exif, AVoidPositionIsNone) {
+  ExifContent content = PhonePhoto(true);
+  content.more_gps = {{9, ExifWriter::Text("V")}};
+  const ExifInfo exif = ReadBlock(ExifBlock(content));
+  EXPECT_FALSE(exif.gps.has_value());
+  EXPECT_FALSE(exif.has_altitude);
+  EXPECT_TRUE(exif.gps_is_void);
+  content.more_gps = {{9, ExifWriter::Text("A")}};
+  EXPECT_TRUE(ReadBlock(ExifBlock(content)).gps.has_value());
+}
+
 TEST(Exif, TimeIsSecondsSince1970) {
   const auto time_of = [](const std::string& text) {
     return ReadBlock(BlockWith({}, {{0x9003, ExifWriter::Text(text)}})).time_s;

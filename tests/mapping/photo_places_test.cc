@@ -81,6 +81,18 @@ TEST_F(PhotoPlacesTest, FindsThePhotosThatTheTableNames) {
   EXPECT_EQ(NamesInTable(input_), std::set<std::string>{"1.JPG"});
 }
 
+TEST_F(PhotoPlacesTest, SaysHowManyPositionsOfExifAreDoubtful) {
+  folder_.num_without_hemisphere = 4;
+  folder_.num_void_positions = 1;
+  FindPhotoPlaces(input_, &folder_, &notes_);
+  ASSERT_EQ(notes_.size(), 2u);
+  EXPECT_THAT(notes_[0], HasSubstr("4 photos have a position whose hemisphere is not stated"));
+  EXPECT_THAT(notes_[1], HasSubstr("1 photos have a position that the receiver marked as void"));
+  notes_.clear();
+  Find(kLatDeg, kLonDeg);
+  EXPECT_TRUE(notes_.empty());
+}
+
 TEST_F(PhotoPlacesTest, RefusesLatitudesThatAreLongitudesByExif) {
   try {
     Find(kLonDeg, kLatDeg);
