@@ -1,6 +1,9 @@
 #include "cli/photo_orientations.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -27,16 +30,30 @@ bool StaysInside(const fs::path& name) {
          std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
 }
 
+bool HasPhoto(const fs::path& folder, const ReconImage& image) {
+  std::error_code ignored;
+  return StaysInside(image.name) && fs::is_regular_file(folder / image.name, ignored);
+}
+
 bool HasPhotos(const fs::path& folder, const Reconstruction& reconstruction) {
   const size_t count = std::min(kNumToFind, reconstruction.images.size());
   for (size_t i = 0; i < count; ++i) {
-    std::error_code ignored;
-    const fs::path name = reconstruction.images[i].name;
-    if (!StaysInside(name) || !fs::is_regular_file(folder / name, ignored)) {
+    if (!HasPhoto(folder, reconstruction.images[i])) {
       return false;
     }
   }
   return count > 0;
+}
+
+int64_t NumFilesIn(const fs::path& folder) {
+  int64_t num_files = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code ignored;
+    num_files += entry->is_regular_file(ignored) ? 1 : 0;
+  }
+  return num_files;
 }
 
 // The orientation of the pixels in which the model's camera sees the photo, if it is known.
@@ -68,6 +85,24 @@ std::string FindPhotoFolder(const Reconstruction& reconstruction, const std::str
     }
   }
   return "";
+}
+
+void CheckPhotoFolder(const std::string& folder, const Reconstruction& reconstruction) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    throw Error(ErrorCode::kNotFound,
+                fmt::format("--photos {}: there is no such folder", Printable(folder)));
+  }
+  const bool has_any =
+      std::any_of(reconstruction.images.begin(), reconstruction.images.end(),
+                  [&](const ReconImage& image) { return HasPhoto(folder, image); });
+  if (!has_any && !reconstruction.images.empty()) {
+    LogWarning(
+        "--photos {}: none of the {} photos of the model is among its {} files, so the EXIF does "
+        "not say how they were held; the model has names such as {}",
+        Printable(folder), reconstruction.images.size(), NumFilesIn(folder),
+        Excerpt(reconstruction.images.front().name));
+  }
 }
 
 ImageOrientations ReadOrientations(const std::string& folder,

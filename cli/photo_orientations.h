@@ -15,10 +15,13 @@ namespace cairn {
 std::string FindPhotoFolder(const Reconstruction& reconstruction, const std::string& database_path,
                             const std::string& model_dir);
 
+// Throws Error(kNotFound) if `folder`, which the user named, is no folder. Logs a warning, with the
+// numbers of both, if it has none of the reconstruction's photos.
+void CheckPhotoFolder(const std::string& folder, const Reconstruction& reconstruction);
+
 // The orientations of the images whose photos are in `folder` and have EXIF. A photo whose sides
 // are exchanged relative to the camera of the model was turned upright before COLMAP read it, and
-// gets
-// 1. Photos that cannot be read stay without.
+// gets 1. Photos that cannot be read stay without.
 ImageOrientations ReadOrientations(const std::string& folder, const Reconstruction& reconstruction);
 
 }  // namespace cairn

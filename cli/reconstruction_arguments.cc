@@ -162,6 +162,9 @@ void AddReconstructionOptions(CLI::App* command, ReconstructionArguments* argume
 Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
                                        const ReconstructionArguments& arguments,
                                        const GeoregisterOptions& options) {
+  if (!arguments.photo_dir.empty()) {
+    CheckPhotoFolder(arguments.photo_dir, reconstruction);
+  }
   if (arguments.frame.frame) {
     return PlaceByFrame(reconstruction, arguments.frame);
   }

@@ -159,6 +159,20 @@ TEST_F(IngestVerb, SaysWhatToDoWithoutGps) {
   EXPECT_THAT(refused.err, HasSubstr("--georef"));
 }
 
+TEST_F(IngestVerb, SaysIfAFolderOfPhotosIsNotThatOfTheModel) {
+  const Finished missing =
+      TryIngest(NewMap("a.gpkg"), "monday", Visit(1), {"--photos", dir_.File("none")});
+  EXPECT_NE(missing.exit_code, 0);
+  EXPECT_THAT(missing.err, HasSubstr("there is no such folder"));
+  std::filesystem::create_directory(dir_.File("photos"));
+  std::ofstream(dir_.File("photos/other.jpg")) << "";
+  const Finished other =
+      TryIngest(NewMap("b.gpkg"), "monday", Visit(1), {"--photos", dir_.File("photos")});
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_THAT(other.err,
+              ContainsRegex("none of the [0-9]+ photos of the model is among its 1 file"));
+}
+
 TEST_F(IngestVerb, SaysThatTooFewPhotosCannotBeJudged) {
   const std::string map = NewMap("map.gpkg");
   Ingest(map, "monday", Visit(2));
