@@ -1,10 +1,13 @@
 #include "cli/arguments.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string_view>
 
@@ -14,11 +17,17 @@
 namespace cairn {
 namespace {
 
+std::string_view WithoutBlanks(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+  return text.substr(0, text.find_last_not_of(" \t") + 1);
+}
+
+// Blanks around the parts do not count.
 std::vector<std::string_view> SplitAtCommas(std::string_view text) {
   std::vector<std::string_view> parts;
   while (true) {
     const size_t comma = text.find(',');
-    parts.push_back(text.substr(0, comma));
+    parts.push_back(WithoutBlanks(text.substr(0, comma)));
     if (comma == std::string_view::npos) {
       return parts;
     }
@@ -53,6 +62,30 @@ int ParsePixels(const std::string& option, std::string_view text) {
                 fmt::format("{}: '{}' is not a whole number of pixels", option, Excerpt(text)));
   }
   return value;
+}
+
+// Names the numbers of a position that are not there.
+void RequireAllOfPosition(const std::string& option, const std::string& text) {
+  constexpr std::string_view kNames[] = {"latitude", "longitude", "height"};
+  const std::vector<std::string_view> parts = SplitAtCommas(text);
+  std::vector<std::string_view> missing;
+  for (size_t i = 0; i < std::size(kNames); ++i) {
+    if (i >= parts.size() || parts[i].empty()) {
+      missing.push_back(kNames[i]);
+    }
+  }
+  if (!missing.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: expected latitude, longitude and height, separated by commas; "
+                            "'{}' lacks the {}",
+                            option, Excerpt(text), fmt::join(missing, " and the ")));
+  }
+  if (parts.size() > std::size(kNames)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: expected latitude, longitude and height, separated by commas; "
+                            "'{}' has {} numbers. Write decimals with a point",
+                            option, Excerpt(text), parts.size()));
+  }
 }
 
 }  // namespace
@@ -133,6 +166,7 @@ Camera ParseCamera(const std::string& option, const std::string& text) {
 }
 
 Geodetic ParseGeodetic(const std::string& option, const std::string& text) {
+  RequireAllOfPosition(option, text);
   const std::vector<double> numbers = ParseNumbers(option, text, 3);
   const Geodetic position = Geodetic::FromDegrees(numbers[0], numbers[1], numbers[2]);
   try {

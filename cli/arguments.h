@@ -29,7 +29,8 @@ void AddSeedOption(CLI::App* command, uint64_t* seed, const std::string& descrip
 // Adds --ca, the certificates that a client of `server`, the option of a URL, trusts.
 void AddCaOption(CLI::App* command, CLI::Option* server, std::string* ca_file);
 
-// All functions below throw Error(kInvalidArgument), which names `option`.
+// All functions below throw Error(kInvalidArgument), which names `option`. Blanks around numbers do
+// not count.
 
 // Parses "1,2.5,-3": exactly `count` finite numbers, or any number of them if `count` is 0.
 std::vector<double> ParseNumbers(const std::string& option, const std::string& text, int count);
@@ -37,7 +38,7 @@ std::vector<double> ParseNumbers(const std::string& option, const std::string& t
 // Parses "MODEL,width,height,param,...": COLMAP's model names and parameter order, in pixels.
 Camera ParseCamera(const std::string& option, const std::string& text);
 
-// Parses "lat,lon,h" in degrees and meters.
+// Parses "lat,lon,h" in degrees and meters. The error names the numbers that are missing.
 Geodetic ParseGeodetic(const std::string& option, const std::string& text);
 
 // Parses "x,y,z" of any length except zero. Returns a unit vector.

@@ -16,6 +16,7 @@
 #include "cli/map_session.h"
 #include "cli/map_summary.h"
 #include "cli/options_file.h"
+#include "cli/recording_time.h"
 #include "cli/session_arguments.h"
 #include "cli/shell.h"
 #include "core/error.h"
@@ -69,6 +70,7 @@ void RequireAllInMap(const std::vector<MapSessionResult>& results) {
 }
 
 ExitCode RunMap(MapArguments arguments, ProgressMode progress_mode) {
+  WarnOfFuture(arguments.session.options.ingest.recorded_at);
   for (const std::string& camera : arguments.cameras) {
     arguments.input.cameras.push_back(ParseCamera("--camera", camera));
   }
@@ -127,11 +129,11 @@ void AddSessionOptions(CLI::App* command, MapArguments* arguments) {
                    "folders are one session then. Default: each folder is a session of its name, "
                    "which replaces only a session of the same photos")
       ->type_name("NAME");
-  command
-      ->add_option("--recorded", options.recorded_at,
-                   "When the photos were taken, e.g. 2026-01-31T12:00:00Z. Default: as the map has "
-                   "it if it has these photos under this name, else now")
-      ->type_name("UTC");
+  AddRecordedOption(command,
+                    "When the photos were taken, e.g. 2026-01-31 or 2026-01-31T12:00:00Z. Default: "
+                    "as the map has "
+                    "it if it has these photos under this name, else now",
+                    &options.recorded_at);
   command
       ->add_option("--archive", arguments->archive_path,
                    "Folder that keeps the session as it is ingested, for cairn rebuild. One folder "

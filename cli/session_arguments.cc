@@ -8,6 +8,7 @@
 #include "cli/choice_option.h"
 #include "cli/json_output.h"
 #include "cli/options_file.h"
+#include "cli/recording_time.h"
 #include "core/error.h"
 #include "ingest/colmap/colmap_reader.h"
 
@@ -91,13 +92,13 @@ void AddSessionArguments(CLI::App* command, SessionArguments* arguments) {
       ->add_option("--code-bytes", options.codebook.num_subspaces,
                    "Bytes per descriptor; used only for the first session of a map")
       ->capture_default_str();
-  command
-      ->add_option(
-          "--recorded", options.recorded_at,
-          "When the photos were taken, e.g. 2026-01-31T12:00:00Z. Default: as the map has it "
-          "if it has these photos under this name, else now. Landmarks that later sessions "
-          "miss fade with time")
-      ->type_name("UTC");
+  AddRecordedOption(command,
+                    "When the photos were taken, e.g. 2026-01-31 or 2026-01-31T12:00:00Z. Default: "
+                    "as the map has "
+                    "it if it has these photos under this name, else now. Landmarks that later "
+                    "sessions miss fade "
+                    "with time",
+                    &options.recorded_at);
   command->add_flag(
       "--apart", arguments->apart,
       "Do not compare the session with the map, and keep its landmarks beside those of the map");
@@ -133,6 +134,7 @@ void RequirePositions(const SessionArguments& arguments) {
 }
 
 PlacedReconstruction ReadSession(const SessionArguments& arguments) {
+  WarnOfFuture(arguments.options.ingest.recorded_at);
   PlacedReconstruction session;
   session.reconstruction = ReadReconstruction(arguments);
   session.georegistration = GeoregisterByArguments(session.reconstruction, arguments.reconstruction,
