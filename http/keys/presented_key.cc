@@ -2,7 +2,6 @@
 
 #include <strings.h>
 
-
 #include "core/wire/header_line.h"
 #include "core/wire/problem.h"
 

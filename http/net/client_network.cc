@@ -117,8 +117,7 @@ std::string ForwardedClient(const std::string& peer, std::string_view chain,
   while (!chain.empty() && IsTrusted(client, fronts)) {
     const size_t comma = chain.rfind(',');
     const bool is_first = comma == std::string_view::npos;
-    const std::string named =
-        WithoutPort(TrimBlanks(is_first ? chain : chain.substr(comma + 1)));
+    const std::string named = WithoutPort(TrimBlanks(is_first ? chain : chain.substr(comma + 1)));
     if (!ParseAddress(named)) {
       break;  // Nobody knows who is behind this front.
     }
