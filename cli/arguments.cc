@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -13,21 +12,17 @@
 
 #include "core/error.h"
 #include "core/printable.h"
+#include "core/wire/header_line.h"
 
 namespace cairn {
 namespace {
-
-std::string_view WithoutBlanks(std::string_view text) {
-  text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
-  return text.substr(0, text.find_last_not_of(" \t") + 1);
-}
 
 // Blanks around the parts do not count.
 std::vector<std::string_view> SplitAtCommas(std::string_view text) {
   std::vector<std::string_view> parts;
   while (true) {
     const size_t comma = text.find(',');
-    parts.push_back(WithoutBlanks(text.substr(0, comma)));
+    parts.push_back(TrimBlanks(text.substr(0, comma)));
     if (comma == std::string_view::npos) {
       return parts;
     }
