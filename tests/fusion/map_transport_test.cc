@@ -425,7 +425,7 @@ TEST(MapTransport, DestructionAnswersWhatIsUnderWay) {
 
 TEST(MapTransport, RefusesOptionsWithoutSense) {
   ManualClock clock;
-  for (const char* url : {"", "127.0.0.1:8080", "http://", "ftp://a", "http://a/b"}) {
+  for (const char* url : {"", "127.0.0.1:8080", "http://", "ftp://a", "http://a/b?c"}) {
     EXPECT_THROW(MapTransport(OptionsFor(url, &clock), [](Answer) {}), Error) << url;
   }
   MapTransportOptions options = OptionsFor("http://127.0.0.1:9", &clock);

@@ -104,16 +104,17 @@ std::string ReadHead(const std::string& path) {
     const sqlite::Connection connection(path, sqlite::Access::kReadOnly, 0);
     sqlite3_file* file = nullptr;
     sqlite3_file_control(connection.handle(), nullptr, SQLITE_FCNTL_FILE_POINTER, &file);
-    sqlite3_int64 num_bytes = 0;
-    if (file != nullptr && file->pMethods != nullptr &&
-        file->pMethods->xFileSize(file, &num_bytes) == SQLITE_OK) {
-      std::string head(std::min<size_t>(static_cast<size_t>(num_bytes), kSqliteHeaderSize), '\0');
+    if (file != nullptr && file->pMethods != nullptr) {
+      // SQLite takes a file of one byte for an empty one.
+      std::string head(std::min<size_t>(fs::file_size(path), kSqliteHeaderSize), '\0');
       if (head.empty() ||
           file->pMethods->xRead(file, head.data(), static_cast<int>(head.size()), 0) == SQLITE_OK) {
         return head;
       }
     }
   } catch (const Error&) {
+    // As below.
+  } catch (const fs::filesystem_error&) {
     // As below.
   }
   Refuse(ErrorCode::kIo, path, "cannot be read; check its permissions");
