@@ -37,6 +37,10 @@ constexpr double kAlikeScale = 2.0;
 constexpr double kStrongLinkShare = 0.5;
 // The two views that agree have this many times the inliers of those that contradict.
 constexpr double kBeyondDoubt = 4.0;
+// Two photos are of the same picture if most of what both show is at the same place of both, up to
+// this share of their longer sides.
+constexpr double kSamePlaceShare = 0.01;
+constexpr size_t kMaxElsewhereInTen = 1;
 
 // True if two cameras see most of the points, from nearly the same direction and as large.
 bool LooksAlike(const Rigid3d& p_from_world, const Camera& camera_p, const Rigid3d& q_from_world,
@@ -165,10 +169,31 @@ bool Proposer::LooksLikeOneOf(const Draft& draft, int photo, const LocalizedPhot
   });
 }
 
+bool Proposer::IsSamePicture(const TwoView& view) const {
+  const MappingPhoto& a = set_.photos[view.a];
+  const MappingPhoto& b = set_.photos[view.b];
+  const Camera& camera_a = set_.cameras[a.camera_idx].camera;
+  const Camera& camera_b = set_.cameras[b.camera_idx].camera;
+  const double b_from_a = static_cast<double>(std::max(camera_b.width_px(), camera_b.height_px())) /
+                          std::max(camera_a.width_px(), camera_a.height_px());
+  const double limit_px = kSamePlaceShare * std::max(camera_b.width_px(), camera_b.height_px());
+  size_t num_elsewhere = 0;
+  for (const FeatureMatch& match : view.inliers) {
+    const Keypoint& p = a.keypoints[match.a_idx];
+    const Keypoint& q = b.keypoints[match.b_idx];
+    num_elsewhere +=
+        std::hypot(b_from_a * p.x_px - q.x_px, b_from_a * p.y_px - q.y_px) > limit_px ? 1 : 0;
+    if (10 * num_elsewhere > kMaxElsewhereInTen * view.inliers.size()) {
+      return false;
+    }
+  }
+  return true;
+}
+
 int Proposer::StrongestLinkOutside(const Draft& draft, int photo) const {
   size_t strongest = 0;
   for (const int view : graph_.ViewsOf(photo)) {
-    if (!draft.Has(graph_.OtherOf(view, photo))) {
+    if (!draft.Has(graph_.OtherOf(view, photo)) && !IsSamePicture(graph_.View(view))) {
       strongest = std::max(strongest, graph_.View(view).inliers.size());
     }
   }

@@ -55,6 +55,11 @@ class Proposer {
   // True if a photo of the draft shows what this pose sees from nearly the same place, and so
   // should have a strong link with the photo. At a wrong copy of a facade, there is one.
   bool LooksLikeOneOf(const Draft& draft, int photo, const LocalizedPhoto& pose) const;
+  // True for two photos that nobody can tell apart by where they were taken: an edited copy and its
+  // original, or two of a burst. Neither is the way by which a segment comes to the other.
+  bool IsSamePicture(const TwoView& view) const;
+  // Inliers of the photo's strongest two view with a photo outside of the draft that does not show
+  // the same picture.
   int StrongestLinkOutside(const Draft& draft, int photo) const;
   uint64_t SeedOf(int photo, int num_photos) const;
 
