@@ -215,8 +215,7 @@ ExitCode RunEval(const EvalArguments& arguments, ProgressMode progress_mode) {
     }
     results = AnswerAll(arguments, localizer, queries, &progress);
   }
-  const EvalReport report = Evaluate(
-      queries, [&](const EvalQuery& query) { return results[&query - queries.data()]; }, {});
+  const EvalReport report = MeasureResults(queries, std::move(results));
   const bool is_chance = arguments.elsewhere || arguments.permute_descriptors;
   fmt::print("{}",
              is_chance ? ElsewhereAsText(MeasureElsewhere(report.answers)) : ReportAsText(report));

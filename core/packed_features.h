@@ -32,7 +32,7 @@ class PackedDescriptors {
   Eigen::Index rows() const;
   Eigen::Index cols() const;
 
-  // The values, or null if some are not whole numbers up to 255; -0 is none.
+  // The values, or null if some are not whole numbers up to 255, or are -0.
   const ByteDescriptorMatrix* as_bytes() const;
   Eigen::RowVectorXf Row(Eigen::Index row) const;
   PackedDescriptors Rows(std::span<const int> rows) const;

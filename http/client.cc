@@ -194,7 +194,7 @@ std::string_view AsText(std::span<const uint8_t> bytes) {
 struct LocalizeClient::Impl {
   ClientOptions options;
   BoundedClient http;
-  std::string last_cell;  // That the server named last; empty before.
+  std::string last_cell;  // The cell that the server named last; empty before.
   std::atomic<bool> is_stopped = false;
 
   explicit Impl(const ClientOptions& client_options)

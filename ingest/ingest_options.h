@@ -107,7 +107,7 @@ struct IngestOptions : TileOptions {
   // A session without a place (0) has no accuracy.
   double earth_accuracy_m = 0.0;
   double earth_accuracy_rad = 0.0;
-  // That ask the map and build tiles. The result does not depend on it.
+  // Threads that ask the map and build tiles. The result does not depend on it.
   int num_threads = 1;
   // How long the ingest waits while another update of the map runs.
   std::chrono::milliseconds patience{0};

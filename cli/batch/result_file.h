@@ -36,7 +36,7 @@ class ResultFile {
   ResultFile(const ResultFile&) = delete;
   ResultFile& operator=(const ResultFile&) = delete;
 
-  int64_t num_rows() const { return num_rows_; }  // So many photos need not be asked again.
+  int64_t num_rows() const { return num_rows_; }  // Photos that need not be asked again.
   // Rows of another run were dropped: other photos, another map or other options.
   bool is_restarted() const { return is_restarted_; }
 

@@ -19,7 +19,7 @@ enum class LandmarkRole : uint8_t {
 // Returns the role of each landmark. All that an image sees which is not fixed decide, unless they
 // have more than `max_observations_of_all` observations.
 //
-// Of so many, landmarks with many observations come first. Each decides if it lies in a part of
+// Landmarks with many observations then come first. Each decides if it lies in a part of
 // some image's picture, one of 4 x 4, in which fewer than 32 do, or if it ties images that fewer
 // than 64 landmarks tie: parts that share little would drift apart without their ties. Fixed
 // landmarks always decide: they tie the images to the model that stays.

@@ -16,7 +16,7 @@ constexpr double kMaxNeighborsToFactor = 400.0;
 constexpr double kMaxFilledIfSparse = 0.5;
 
 // To order a sparse system, Ceres holds, for each observation, all images that see its landmark, in
-// some 30 bytes each: 0.8 GB for 300 photos of one wall. Beyond this many, the system is solved by
+// some 30 bytes each: 0.8 GB for 300 photos of one wall. With more pairs, the system is solved by
 // iterations, unless so little of it is filled that the images may be a chain.
 // docs/decisions/0073-photos-of-one-place-have-a-dense-system.md has the figures.
 constexpr double kMaxPairsToOrder = 1e7;
@@ -26,7 +26,7 @@ constexpr double kMinFilledIfIterated = 0.2;
 // the ones that decide.
 struct PoseSystem {
   double num_images = 0.0;
-  // An image shares landmarks with so many others; root mean square.
+  // The number of others with which an image shares landmarks; root mean square.
   double num_neighbors = 0.0;
   // A pair is an observation and an image that sees its landmark.
   double num_pairs = 0.0;

@@ -15,7 +15,7 @@ namespace {
 constexpr int32_t kFarAway = 1 << 30;
 // Rows of 16 bytes each, which fill a part of a level 2 cache; whole blocks.
 constexpr size_t kRowsInCache = 4096;
-// So many bytes of rows fill half of a level 1 cache; several queries are compared with them in
+// Bytes of rows that fill half of a level 1 cache; several queries are compared with them in
 // turn.
 constexpr size_t kScannedBytes = 16384;
 

@@ -94,7 +94,7 @@ class CellLists::Prefetcher {
   // The processor itself prefetches the rest of a long run.
   static constexpr uint32_t kMaxOfCell = 256;
 
-  // Counts a cell as one block at least, because so much is read.
+  // Counts a cell as one block at least, because a block is read as a whole.
   uint32_t NumFetched(uint32_t cell) const {
     return std::clamp<uint32_t>(lists_.End(cell) - lists_.Begin(cell), kBlockRows, kMaxOfCell);
   }

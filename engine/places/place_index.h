@@ -17,7 +17,7 @@ namespace cairn {
 
 using SharedSegment = std::shared_ptr<const PlaceSegment>;
 
-// Of one map version. Immutable; safe to use from any thread.
+// The places of one map version. Immutable; safe to use from any thread.
 class PlaceIndex {
  public:
   // All segments belong to the codebook.

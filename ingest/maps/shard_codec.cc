@@ -66,7 +66,7 @@ std::vector<PlacedObservation> GetObservations(size_t count, size_t num_landmark
                                                ByteReader* reader) {
   std::vector<PlacedObservation> observations;
   for (const uint32_t landmark_idx : reader->GetVector<uint32_t>(count)) {
-    RequireInput(landmark_idx < num_landmarks, "an image sees a landmark that there is not");
+    RequireInput(landmark_idx < num_landmarks, "an observation names an unknown landmark");
     observations.push_back({landmark_idx, static_cast<int>(observations.size())});
   }
   return observations;

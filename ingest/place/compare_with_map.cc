@@ -315,7 +315,7 @@ bool IsDecided(const MapComparison& comparison) {
 }  // namespace
 
 bool IsJudged(const MapComparison& comparison) {
-  // So many photos do not agree by chance.
+  // Ten photos do not agree by chance.
   constexpr int kMany = 10;
   const PlacementFit& fit = comparison.fit;
   return fit.num_agreeing >= kLeastPhotosToJudge &&

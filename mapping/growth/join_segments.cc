@@ -30,8 +30,8 @@ constexpr int kBridgesBeyondDoubt = 4;
 constexpr int kBridgesWithPlaces = 2;
 // Of each segment, a union loses at most one photo, or this share if that is more.
 constexpr double kMaxLostShare = 0.1;
-// Two segments whose positions err by so much more in the union than in each of them are not where
-// the union has them. A few positions always fit, and then say that they err.
+// Two segments whose positions err by this factor more in the union than in each of them are not
+// where the union has them. A few positions always fit, and then say that they err.
 constexpr double kMaxNoiseGrowth = 1.5;
 // A segment that is smaller than this share of one of many photos is adjusted to it; it does not
 // change the whole.

@@ -23,8 +23,8 @@ constexpr double kMinExcess = 10.0;
 // One camera among others whose focal lengths are a little off: one of a facade was found 18 % too
 // long.
 constexpr double kMinLogSigmaFound = 0.15;
-// A view takes sides if the two focal lengths differ by this cost. At least so many have to
-// contradict EXIF, and this many times as many as support it.
+// A view takes sides if the two focal lengths differ by this cost. At least kMinAgainst views have
+// to contradict EXIF, and kMinAgainstPerFor times as many as support it.
 constexpr double kMinDifference = 0.5;
 constexpr int kMinAgainst = 3, kMinAgainstPerFor = 3;
 

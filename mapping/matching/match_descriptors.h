@@ -19,7 +19,7 @@ struct DescriptorMatchOptions {
   double max_distance = 0.7;
 };
 
-// What is matched of a photo. `keypoints` may be empty; then none count as one place.
+// What is matched of a photo. `keypoints` may be empty; then each is a place of its own.
 struct DescribedPhoto {
   const ByteDescriptorMatrix& descriptors;  // Raw SIFT.
   std::span<const Keypoint> keypoints = {};

@@ -47,7 +47,8 @@ class Electorate {
   // `photos` ascend. Keeps references, but not to `photos`.
   Electorate(const Voters& voters, const std::vector<int>& photos, const PairOptions& options);
 
-  // For each of the photos that gets votes, ascending. `may_choose` says which photos count.
+  // A ballot for each of the photos that gets votes, ascending. `may_choose` says which photos
+  // count.
   std::vector<Ballot> VotesOf(int photo, const std::function<bool(int)>& may_choose) const;
 
  private:

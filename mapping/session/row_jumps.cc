@@ -15,7 +15,7 @@
 namespace cairn {
 namespace {
 
-// Among so few, three standard deviations are five medians.
+// Among six photos, three standard deviations are five medians.
 constexpr size_t kRowPhotos = 6;
 constexpr double kJump = 5.0;
 // A walk comes back if, after the run, it is within this share of the jumps of where it was before,
