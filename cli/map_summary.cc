@@ -81,7 +81,7 @@ void PrintCameras(const std::vector<CameraReport>& cameras) {
   }
 }
 
-// A session that follows the map has its size.
+// True for a session that the map moved, which then has the size of the map.
 bool FollowsMap(const MapSessionResult& result) {
   return result.is_in_map && !result.report.is_unchanged && IsJudged(result.report.comparison);
 }

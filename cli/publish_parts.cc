@@ -24,7 +24,7 @@ void ReportSegments(const Parts& parts, std::vector<SegmentReport>* segments) {
   for (const auto& [number, part] : parts) {
     SegmentReport& segment = (*segments)[static_cast<size_t>(number)];
     segment.problem = part.problem;
-    segment.moved_by_map_m = part.comparison.fit.moved_m;
+    segment.moved_by_map_m = part.moved_m;
   }
 }
 

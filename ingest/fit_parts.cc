@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/check.h"
+#include "core/error.h"
 #include "core/printable.h"
 #include "ingest/place/known_tiles.h"
 #include "ingest/session_placement.h"
@@ -27,18 +28,24 @@ Parts PartsOf(const std::vector<int>& part_of_image) {
 
 void Compare(const Reconstruction& part, const Sim3d& ecef_from_world, const KnownTiles& known,
              const std::vector<SessionRecord>& others, IngestOptions options, SessionPart* result) {
-  result->comparison =
-      CompareWithMap(part, PlaceSession(part, ecef_from_world, PlacementOf(options)), known,
-                     {.position_accuracy_m = options.agreement.position_accuracy_m,
-                      .num_threads = options.num_threads});
   options.agreement.unanchored = Unanchored::kRefuseAlways;
+  const double accuracy_m = options.agreement.position_accuracy_m;
   try {
-    RequireAgreement(result->comparison, options.agreement,
-                     AccuracyOf(result->comparison, options.agreement.position_accuracy_m,
-                                options.georef_median_residual_m, others),
-                     fmt::format("a part of {} photos", result->images.size()));
+    result->comparison =
+        CompareWithMap(part, PlaceSession(part, ecef_from_world, PlacementOf(options)), known,
+                       {.position_accuracy_m = accuracy_m, .num_threads = options.num_threads});
+    RequireAgreement(
+        result->comparison, options.agreement,
+        AccuracyOf(result->comparison, accuracy_m, options.georef_median_residual_m, others),
+        fmt::format("a part of {} photos", result->images.size()));
+    result->moved_m = result->comparison.fit.moved_m;
   } catch (const SessionRefused& refusal) {
     result->problem = refusal.what();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kBadInput) {
+      throw;
+    }
+    result->problem = error.what();  // None of its landmarks is good enough.
   }
 }
 

@@ -19,13 +19,15 @@ namespace cairn {
 struct SessionPart {
   std::vector<int> images;   // Of the reconstruction that FitParts was given; ascending.
   std::string problem = {};  // Why the part is no longer in the reconstruction; empty if it is.
+  double moved_m = 0.0;      // How far it moved, at the middle of its cameras.
   MapComparison comparison = {};
 };
 
 // An ingest moves a session as one piece, which is wrong for several parts. This moves each of them
 // by itself; `part_of_image` has the number of each image's part. A part that the map anchors and
 // does not contradict (RequireAgreement, Unanchored::kRefuseAlways) moves by the motion of its
-// comparison; other parts leave the reconstruction. If the map anchors no part, nothing moves: all
+// comparison; other parts, also those without a landmark that is good enough (PlaceSession), leave
+// the reconstruction. If the map anchors no part, nothing moves: all
 // parts stay if the map is too far away to be asked about any of them, and else only the one with
 // the most images. A session of the map with the name of `options` has no say. Returns the parts by
 // number. Throws what the engine throws on a damaged map.

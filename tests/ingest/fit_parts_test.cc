@@ -120,8 +120,8 @@ TEST_F(FitPartsTest, MovesEachPartByItself) {
   const Reconstruction b = Misplaced(Stretch(tuesday_, 70, 120), Error({-1.5, -2.0, 0.0}, -0.01));
   const auto parts = Fit(a, b, tuesday_.EcefFromWorld());
   EXPECT_EQ(session_.images.size(), a.images.size() + b.images.size());
-  EXPECT_GT(parts.at(0).comparison.fit.moved_m, 1.0);
-  EXPECT_GT(parts.at(1).comparison.fit.moved_m, 1.0);
+  EXPECT_GT(parts.at(0).moved_m, 1.0);
+  EXPECT_GT(parts.at(1).moved_m, 1.0);
   EXPECT_LT(WorstErrorM(), 0.1);
 }
 
@@ -133,6 +133,15 @@ TEST_F(FitPartsTest, LeavesOutAPartThatTheMapDoesNotAnchor) {
   EXPECT_EQ(parts.at(0).problem, "");
   EXPECT_THAT(parts.at(1).problem, HasSubstr("a part of "));
   EXPECT_LT(WorstErrorM(), 0.1);
+}
+
+TEST_F(FitPartsTest, LeavesOutAPartWithoutAGoodLandmark) {
+  const Reconstruction a = Misplaced(Stretch(tuesday_, 0, 50), Error({2.0, 1.0, 0.5}, 0.02));
+  Reconstruction b = Stretch(tuesday_, 70, 120);
+  b.landmarks.clear();
+  const auto parts = Fit(a, b, tuesday_.EcefFromWorld());
+  EXPECT_EQ(session_.images.size(), a.images.size());
+  EXPECT_NE(parts.at(1).problem, "");
 }
 
 TEST_F(FitPartsTest, LeavesTheLargestPartToTheIngestIfTheMapAnchorsNone) {
