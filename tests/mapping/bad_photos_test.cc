@@ -297,32 +297,6 @@ TEST_F(BadPhotos, EditedSize) {
   ExpectRight(mapped, shots);
 }
 
-// As programs that edit photos leave them beside the originals: brighter and without EXIF. Each
-// was the strongest link of the other, and both waited for it.
-TEST_F(BadPhotos, EditedCopiesBesideThem) {
-  constexpr const char* kLund = "street_lund/images";
-  CAIRN_SKIP_WITHOUT_DATA(kLund);
-  std::filesystem::create_directories(dir_.path() / "photos");
-  for (int i = 5; i <= 12; ++i) {
-    const std::string name = fmt::format("{:02}", i);
-    const std::filesystem::path photo = testing::TestDataDir() / kLund / (name + ".jpg");
-    std::filesystem::copy(photo, dir_.path() / "photos");
-    if (i == 7 || i == 12) {
-      GrayImage image = ReadGrayImage(photo.string());
-      for (uint8_t& value : image.pixels) {
-        value = static_cast<uint8_t>(std::min(255.0, 1.08 * value));
-      }
-      testing::WriteBytes(dir_.path() / "photos" / (name + "-edited.png"), EncodePng(image));
-    }
-  }
-  MapPhotosInput input;
-  input.paths = {dir_.File("photos")};
-  input.num_threads = 2;
-  GeoregisterOptions upright;
-  upright.up = UpSource::kTop;
-  EXPECT_EQ(MapPhotos(input, {}, upright).num_mapped, 10);
-}
-
 TEST_F(BadPhotos, BlurredAndBlankOnesAreLeftOutWithAReason) {
   std::vector<Shot> shots = Walk(9);
   shots[4].blur_px = 40.0;

@@ -13,6 +13,7 @@
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/images/gray_image.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 
@@ -180,6 +181,34 @@ TEST(MapPhotos, FindsTheFocalLengthOfADriveByGrowingAgain) {
     EXPECT_EQ(second.model.images[i].cam_from_world.ToMatrix(),
               first.model.images[i].cam_from_world.ToMatrix());
   }
+}
+
+// Programs that edit photos leave them beside the originals: brighter, and without EXIF. An
+// original and its copy were the strongest link of each other, and both waited for it.
+TEST(MapPhotosOfAStreet, EditedCopiesKeepNoOriginalOut) {
+  constexpr const char* kStreet = "street_lund/images";
+  CAIRN_SKIP_WITHOUT_DATA(kStreet);
+  const testing::TempDir dir;
+  for (int i = 5; i <= 12; ++i) {
+    const std::string name = fmt::format("{:02}", i);
+    const std::filesystem::path photo = testing::TestDataDir() / kStreet / (name + ".jpg");
+    std::filesystem::copy(photo, dir.path());
+    if (i == 7 || i == 12) {
+      GrayImage image = ReadGrayImage(photo.string());
+      for (uint8_t& value : image.pixels) {
+        value = static_cast<uint8_t>(std::min(255.0, 1.08 * value));
+      }
+      std::ofstream(dir.File(name + "-edited.pgm"), std::ios::binary)
+          << fmt::format("P5\n{} {}\n255\n", image.width_px, image.height_px)
+          << std::string(image.pixels.begin(), image.pixels.end());
+    }
+  }
+  MapPhotosInput input;
+  input.paths = {dir.path()};
+  input.num_threads = 2;
+  GeoregisterOptions upright;
+  upright.up = UpSource::kTop;
+  EXPECT_EQ(MapPhotos(input, {}, upright).num_mapped, 10);
 }
 
 }  // namespace
