@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,15 @@ constexpr int kBarWidth = 32;
 
 std::chrono::milliseconds MinInterval(ProgressMode mode) {
   return std::chrono::milliseconds(mode == ProgressMode::kPlain ? 10'000 : 100);
+}
+
+// E.g. ", 40 s left"; empty while it is not known.
+std::string TimeLeft(std::optional<double> left_s) {
+  if (!left_s) {
+    return "";
+  }
+  return *left_s < 100.0 ? fmt::format(", {:.0f} s left", *left_s)
+                         : fmt::format(", {:.0f} min left", *left_s / 60.0);
 }
 
 std::string Bar(int64_t done, int64_t total) {
@@ -56,32 +66,34 @@ void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
   }
 }
 
-std::string Progress::TimeLeft(int64_t done, int64_t total) const {
+std::optional<double> Progress::SecondsLeft(int64_t done, int64_t total) const {
   constexpr double kLeastSeconds = 10.0;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - phase_start_;
   if (done <= phase_start_done_ || done >= total || taken.count() < kLeastSeconds) {
-    return "";
+    return std::nullopt;
   }
-  const double left_s = taken.count() * static_cast<double>(total - done) /
-                        static_cast<double>(done - phase_start_done_);
-  return left_s < 100.0 ? fmt::format(", {:.0f} s left", left_s)
-                        : fmt::format(", {:.0f} min left", left_s / 60.0);
+  return taken.count() * static_cast<double>(total - done) /
+         static_cast<double>(done - phase_start_done_);
 }
 
 void Progress::Write(int64_t done, int64_t total) {
+  const std::optional<double> left_s = SecondsLeft(done, total);
   switch (mode_) {
     case ProgressMode::kAuto:
     case ProgressMode::kBar:
       fmt::print(stderr, "\r\033[K{:<14} [{}] {}/{}{}", phase_, Bar(done, total), done, total,
-                 TimeLeft(done, total));
+                 TimeLeft(left_s));
       std::fflush(stderr);
       line_open_ = true;
       break;
     case ProgressMode::kPlain:
-      fmt::print(stderr, "{}: {}/{}{}\n", phase_, done, total, TimeLeft(done, total));
+      fmt::print(stderr, "{}: {}/{}{}\n", phase_, done, total, TimeLeft(left_s));
       break;
     case ProgressMode::kJson: {
-      const nlohmann::ordered_json line = {{"phase", phase_}, {"done", done}, {"total", total}};
+      nlohmann::ordered_json line = {{"phase", phase_}, {"done", done}, {"total", total}};
+      if (left_s) {
+        line["secondsLeft"] = std::round(*left_s);
+      }
       fmt::print(stderr, "{}\n", line.dump());
       break;
     }

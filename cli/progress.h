@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace cairn {
@@ -12,7 +13,9 @@ enum class ProgressMode {
   kAuto,   // A bar if stderr is a terminal, else plain lines.
   kBar,    // One line, redrawn in place, with the time left once ten seconds tell it.
   kPlain,  // Lines at the start and end of each phase and every ten seconds in between, likewise.
-  kJson,   // One JSON object per line: {"phase": "tiles", "done": 3, "total": 12}.
+  // One JSON object per line: {"phase": "tiles", "done": 3, "total": 12}, with "secondsLeft" once
+  // ten seconds tell it.
+  kJson,
 };
 
 // Shows one phase at a time. Use from one thread.
@@ -29,8 +32,8 @@ class Progress {
 
  private:
   void Write(int64_t done, int64_t total);
-  // E.g. ", 40 s left"; empty while it is not known.
-  std::string TimeLeft(int64_t done, int64_t total) const;
+  // Of the phase; empty while ten seconds do not tell it.
+  std::optional<double> SecondsLeft(int64_t done, int64_t total) const;
   void EndLine();
 
   ProgressMode mode_;
