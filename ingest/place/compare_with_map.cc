@@ -15,13 +15,13 @@
 #include "core/radius68.h"
 #include "core/statistics.h"
 #include "engine/localizer.h"
+#include "ingest/place/image_query.h"
 #include "ingest/place/in_map_accuracy.h"
 #include "ingest/tiles/near_view.h"
 
 namespace cairn {
 namespace {
 
-constexpr size_t kCacheBytes = size_t{512} << 20;
 constexpr int kMaxExpected = 60;
 // Photos of elsewhere cost several times as much as photos that the map knows.
 constexpr int kMaxSought = 24;
@@ -29,9 +29,6 @@ constexpr int kMaxSought = 24;
 constexpr double kExpectedAccuracyM = 15.0;
 // Of sought photos: the engine searches twice as far, which is kReachM.
 constexpr double kSoughtAccuracyM = 50.0;
-// New ground that resembles the map gets a weak answer now and then, so weak answers to sought
-// photos do not count.
-constexpr double kSureConfidence = 0.9;
 
 double SpreadOf(const std::vector<Eigen::Vector3d>& centers) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -148,19 +145,12 @@ PhotosToAsk ChooseAmong(const PlacedSession& session, const KnownTiles& map, Kno
 }
 
 LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession& session,
-                      int image_idx, double accuracy_m) {
-  const ReconImage& image = reconstruction.images[static_cast<size_t>(image_idx)];
+                      int image_idx, double accuracy_m, const std::string& codec) {
   const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
-  LocalizeQuery query;
-  query.id = image.name;
-  query.camera = reconstruction.cameras[static_cast<size_t>(image.camera_idx)];
-  query.features = image.features.Unpacked();
-  PositionPrior prior;
-  prior.position = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
-  prior.accuracy_m = accuracy_m;
-  query.prior = prior;
+  const Geodetic place = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
+  LocalizeQuery query = QueryOfImage(reconstruction, image_idx, place, accuracy_m, codec);
   query.down_in_cam =
-      (cam_from_ecef.rotation * (EcefFromEnu(prior.position).rotation * DownInEnu())).normalized();
+      (cam_from_ecef.rotation * (EcefFromEnu(place).rotation * DownInEnu())).normalized();
   return query;
 }
 
@@ -242,16 +232,14 @@ class MapInquiry {
         session_(session),
         options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
-        localizer_(map, MostPrecise(), kCacheBytes) {}
+        localizer_(map, MostPrecise(), kInquiryCacheBytes) {}
 
   // Returns the number of photos that the map recognizes with this confidence.
   int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {
     std::vector<LocalizeResult> results(images.size());
     ParallelFor(static_cast<int>(images.size()), options_.num_threads, [&](int i) {
-      LocalizeQuery query =
-          QueryOf(reconstruction_, session_, images[static_cast<size_t>(i)], accuracy_m);
-      query.codec = codec_;
-      results[static_cast<size_t>(i)] = localizer_.Localize(query);
+      results[static_cast<size_t>(i)] = localizer_.Localize(
+          QueryOf(reconstruction_, session_, images[static_cast<size_t>(i)], accuracy_m, codec_));
     });
     int num_recognized = 0;
     for (size_t i = 0; i < images.size(); ++i) {

@@ -1,0 +1,35 @@
+// Places a reconstruction where a map sees its photos, if its positions do not place it.
+#ifndef CAIRN_INGEST_PLACE_PLACE_BY_MAP_H_
+#define CAIRN_INGEST_PLACE_PLACE_BY_MAP_H_
+
+#include <optional>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/rigid3.h"
+#include "core/scene/reconstruction.h"
+#include "ingest/place/known_tiles.h"
+
+namespace cairn {
+
+struct PlacementByMap {
+  // Of any scale to meters. Nothing unless three photos, and half of the recognized ones, agree.
+  std::optional<Sim3d> ecef_from_world;
+  int num_asked = 0;
+  int num_recognized = 0;          // With a confidence of 0.9.
+  int num_agreeing = 0;            // Within 1 m and 5 degrees of where the map sees them.
+  double median_residual_m = 0.0;  // Of those that agree.
+};
+
+// Localizes at most 24 photos, evenly over those with a rough position, by the features of the
+// reconstruction, within 100 m of their positions, which have a member for each image; heights
+// above the ellipsoid. The map decides place, direction, tilt and scale: up may be unknown, too.
+// CompareWithMap has to confirm the result, which only follows the largest group of answers. The
+// result does not depend on `num_threads`. Throws what the engine throws on a damaged map.
+PlacementByMap PlaceByMap(const Reconstruction& reconstruction,
+                          const std::vector<std::optional<Geodetic>>& rough_positions,
+                          const KnownTiles& map, int num_threads);
+
+}  // namespace cairn
+
+#endif  // CAIRN_INGEST_PLACE_PLACE_BY_MAP_H_
