@@ -200,7 +200,7 @@ void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
       StageClock clock("publication", &result->mapped.stages);
       IngestReport report = HasOthersToJoin(*store, arguments, result->name)
                                 ? PublishParts(store->Snapshot(), publish_placed, result)
-                                : publish_placed(result->session);
+                                : PublishAsPlaced(publish_placed, *result);
       clock.End(/*from_work=*/false);
       return report;
     };
@@ -281,7 +281,7 @@ bool HasOthersAbout(const MapSnapshot& map, const std::string& name, const Geode
 void RequireRightWayRound(const std::optional<MapStore>& map, const MapSessionArguments& arguments,
                           std::vector<MapSessionResult>* sessions) {
   for (MapSessionResult& session : *sessions) {
-    if (!map || !session.is_mapped || !HasOthersToJoin(*map, arguments, session.name)) {
+    if (!map || session.mapped.num_mapped == 0 || !HasOthersToJoin(*map, arguments, session.name)) {
       continue;
     }
     const Geodetic place =
@@ -300,12 +300,14 @@ void RequireRightWayRound(const std::optional<MapStore>& map, const MapSessionAr
   }
 }
 
-// Maps one folder and places it by its positions.
+// Maps one folder and places it by its positions. If there will be sessions that it may join, its
+// segments may lack a place.
 MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                           const IngestProgress& progress) {
+                           bool may_join, const IngestProgress& progress) {
   const CairnOptions& options = arguments.session.options;
   MapPhotosInput photos = input.photos;
   photos.num_threads = options.ingest.num_threads;
+  photos.keeps_unplaced = may_join;
   MapSessionResult result;
   result.name = input.name;
   result.mapped = MapPhotos(photos, options.mapping, options.georegister, progress);
@@ -319,7 +321,7 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
 MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
                               const IngestProgress& progress) {
   try {
-    return MapFolder(arguments, input, progress);
+    return MapFolder(arguments, input, !arguments.session.apart, progress);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
       throw;
@@ -339,7 +341,9 @@ std::vector<MapSessionResult> MakeSessions(const MapSessionArguments& arguments,
   CheckEarly(arguments, inputs, map.has_value());
   std::vector<MapSessionResult> sessions;
   if (inputs.size() == 1) {
-    sessions.push_back(MapFolder(arguments, inputs.front(), progress));
+    const SessionInput& input = inputs.front();
+    sessions.push_back(
+        MapFolder(arguments, input, map && HasOthersToJoin(*map, arguments, input.name), progress));
   } else {
     for (const SessionInput& input : inputs) {
       sessions.push_back(

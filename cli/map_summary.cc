@@ -50,6 +50,14 @@ void PrintLeftOut(const std::vector<LeftOutPhoto>& left_out) {
   }
 }
 
+// Nothing for a segment that only the map adjusts.
+std::string AdjustedText(const SegmentReport& segment) {
+  return segment.is_placed_by_map
+             ? ""
+             : fmt::format("; {} observations of landmarks, {:.2f} px rms",
+                           segment.adjustment.num_observations, segment.adjustment.rms_px);
+}
+
 void PrintSegments(const MappedPhotos& mapped) {
   for (const SegmentReport& segment : mapped.segments) {
     if (!segment.problem.empty()) {
@@ -57,14 +65,13 @@ void PrintSegments(const MappedPhotos& mapped) {
                  Excerpt(segment.problem, kMaxReasonBytes));
       continue;
     }
-    fmt::print(
-        "segment          {} photos; {} observations of landmarks, {:.2f} px rms; placed by {} "
-        "positions, {:.2f} m median{}\n",
-        segment.num_photos, segment.adjustment.num_observations, segment.adjustment.rms_px,
-        segment.georegistration.num_positions, segment.georegistration.median_residual_m,
-        segment.moved_by_map_m > 0.0
-            ? fmt::format("; moved by the map, by {:.2f} m", segment.moved_by_map_m)
-            : "");
+    fmt::print("segment          {} photos{}; placed by {} {}, {:.2f} m median{}\n",
+               segment.num_photos, AdjustedText(segment), segment.georegistration.num_positions,
+               segment.is_placed_by_map ? "answers of the map" : "positions",
+               segment.georegistration.median_residual_m,
+               segment.moved_by_map_m > 0.0
+                   ? fmt::format("; moved by the map, by {:.2f} m", segment.moved_by_map_m)
+                   : "");
   }
 }
 
@@ -114,9 +121,12 @@ nlohmann::ordered_json MappedPhotosJson(const MapSessionResult& result) {
   for (const SegmentReport& segment : mapped.segments) {
     nlohmann::ordered_json entry = {{"photos", segment.num_photos}};
     if (segment.problem.empty()) {
-      entry["observations"] = segment.adjustment.num_observations;
-      entry["rmsPx"] = segment.adjustment.rms_px;
-      entry["georegistration"] = GeoregistrationJson(segment.georegistration);
+      entry["placedBy"] = segment.is_placed_by_map ? "map" : "positions";
+      if (!segment.is_placed_by_map) {
+        entry["observations"] = segment.adjustment.num_observations;
+        entry["rmsPx"] = segment.adjustment.rms_px;
+        entry["georegistration"] = GeoregistrationJson(segment.georegistration);
+      }
       entry["movedByMapM"] = segment.moved_by_map_m;
     } else {
       entry["problem"] = segment.problem;

@@ -14,10 +14,15 @@ namespace cairn {
 // Publishes a session as it is. Throws as IngestSession.
 using PublishPlaced = std::function<IngestReport(const PlacedReconstruction& session)>;
 
-// Moves the segments of the photos to where the map sees them, each by itself (FitParts), and then
-// publishes them as one session. Says in `mapped` how far segments moved, and which of them stay
-// out; `session` becomes what was published. A session of one segment is published as it is. If
-// `publish` throws, `result` is as before.
+// Publishes the session where its positions place it. Throws SessionRefused, with the reason of the
+// largest segment, if they place none.
+IngestReport PublishAsPlaced(const PublishPlaced& publish, const MapSessionResult& result);
+
+// Places the segments that their positions do not place where the map sees them (PlaceByMap), moves
+// all segments to where the map sees them, each by itself (FitParts), and then publishes them as
+// one session. Says in `mapped` how far segments moved, and which of them stay out; `session`
+// becomes what was published. A session of one segment that its positions place is published as it
+// is. If `publish` throws, `result` is as before. Throws SessionRefused if no segment is left.
 IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
                           MapSessionResult* result);
 

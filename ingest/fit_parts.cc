@@ -18,10 +18,12 @@ namespace {
 
 using Parts = std::map<int, SessionPart>;
 
-Parts PartsOf(const std::vector<int>& part_of_image) {
+Parts PartsOf(const std::vector<int>& part_of_image, const std::set<int>& placed_by_map) {
   Parts parts;
   for (size_t i = 0; i < part_of_image.size(); ++i) {
-    parts[part_of_image[i]].images.push_back(static_cast<int>(i));
+    SessionPart& part = parts[part_of_image[i]];
+    part.images.push_back(static_cast<int>(i));
+    part.needs_map = placed_by_map.contains(part_of_image[i]);
   }
   return parts;
 }
@@ -52,12 +54,14 @@ void Compare(const Reconstruction& part, const Sim3d& ecef_from_world, const Kno
 // Without an anchored part, the ingest decides: on the part with the most images if the map was
 // asked about any of them.
 void KeepSome(Parts* parts) {
-  const bool were_asked = std::ranges::any_of(
-      *parts, [](const auto& part) { return part.second.comparison.num_asked() > 0; });
+  const auto placed = [](const auto& part) { return !part.second.needs_map; };
+  const bool were_asked = std::ranges::any_of(*parts, [&](const auto& part) {
+    return placed(part) && part.second.comparison.num_asked() > 0;
+  });
   const auto largest = std::ranges::max_element(
-      *parts, {}, [](const auto& part) { return part.second.images.size(); });
+      *parts, {}, [&](const auto& part) { return placed(part) ? part.second.images.size() : 0; });
   for (auto part = parts->begin(); part != parts->end(); ++part) {
-    if (!were_asked || part == largest) {
+    if (placed(*part) && (!were_asked || part == largest)) {
       part->second.problem.clear();
     }
   }
@@ -88,6 +92,7 @@ void MoveParts(const Parts& parts, const std::vector<int>& part_of_image,
 }  // namespace
 
 std::map<int, SessionPart> FitParts(const MapSnapshot& map, const std::vector<int>& part_of_image,
+                                    const std::set<int>& placed_by_map,
                                     const Sim3d& ecef_from_world, const IngestOptions& options,
                                     Reconstruction* reconstruction) {
   CAIRN_CHECK(part_of_image.size() == reconstruction->images.size(), "each image needs a part");
@@ -97,7 +102,7 @@ std::map<int, SessionPart> FitParts(const MapSnapshot& map, const std::vector<in
   std::erase_if(others, [&](const SessionRecord& session) { return session.id == replaced; });
   const KnownTiles known(map, replaced);
 
-  Parts parts = PartsOf(part_of_image);
+  Parts parts = PartsOf(part_of_image, placed_by_map);
   for (auto& [number, part] : parts) {
     Compare(SelectImages(*reconstruction, part.images), ecef_from_world, known, others, options,
             &part);

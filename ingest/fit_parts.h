@@ -3,6 +3,7 @@
 #define CAIRN_INGEST_FIT_PARTS_H_
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,23 +16,26 @@
 namespace cairn {
 
 // Images of a reconstruction that share no landmark with its other images. Its positions alone
-// placed the part, meters beside the others.
+// placed the part, meters beside the others, or the map did (PlaceByMap).
 struct SessionPart {
   std::vector<int> images;   // Of the reconstruction that FitParts was given; ascending.
+  bool needs_map = false;    // Its positions do not place it.
   std::string problem = {};  // Why the part is no longer in the reconstruction; empty if it is.
   double moved_m = 0.0;      // How far it moved, at the middle of its cameras.
   MapComparison comparison = {};
 };
 
 // An ingest moves a session as one piece, which is wrong for several parts. This moves each of them
-// by itself; `part_of_image` has the number of each image's part. A part that the map anchors and
-// does not contradict (RequireAgreement, Unanchored::kRefuseAlways) moves by the motion of its
-// comparison; other parts, also those without a landmark that is good enough (PlaceSession), leave
-// the reconstruction. If the map anchors no part, nothing moves: all
-// parts stay if the map is too far away to be asked about any of them, and else only the one with
-// the most images. A session of the map with the name of `options` has no say. Returns the parts by
-// number. Throws what the engine throws on a damaged map.
+// by itself; `part_of_image` has the number of each image's part, `placed_by_map` those that
+// nothing else places. A part that the map anchors and does not contradict (RequireAgreement,
+// Unanchored::kRefuseAlways) moves by the motion of its comparison; other parts, also those without
+// a landmark that is good enough (PlaceSession), leave the reconstruction. If the map anchors no
+// part, nothing moves, and those that the map placed leave; of the others, all stay if the map is
+// too far away to be asked about any of them, and else only the one with the most images. A session
+// of the map with the name of `options` has no say. Returns the parts by number. Throws what the
+// engine throws on a damaged map.
 std::map<int, SessionPart> FitParts(const MapSnapshot& map, const std::vector<int>& part_of_image,
+                                    const std::set<int>& placed_by_map,
                                     const Sim3d& ecef_from_world, const IngestOptions& options,
                                     Reconstruction* reconstruction);
 

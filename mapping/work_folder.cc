@@ -36,9 +36,9 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 33;
 
 // How the names of the files begin that a run writes: the stages' results, and the report. People
 // may keep other files in the folder.
-constexpr std::array<std::string_view, 11> kOwnPrefixes = {
-    "photo-",   "views-",     "focal-",    "again-",      "grown-",     "regrown-",
-    "cameras.", "corrected.", "segments.", "report.svg.", "report.png."};
+constexpr std::array<std::string_view, 13> kOwnPrefixes = {
+    "photo-",   "views-",     "focal-",    "again-",    "grown-",      "regrown-",   "pairs.",
+    "cameras.", "corrected.", "segments.", "adjusted-", "report.svg.", "report.png."};
 
 bool HasOwnPrefix(const std::string& name) {
   return std::any_of(kOwnPrefixes.begin(), kOwnPrefixes.end(),

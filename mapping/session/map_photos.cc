@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <exception>
 #include <iterator>
 #include <memory>
 #include <span>
@@ -15,9 +14,9 @@
 #include "mapping/matching/calibrate_guesses.h"
 #include "mapping/matching/correct_focals.h"
 #include "mapping/matching/settle_planes.h"
-#include "mapping/session/edited_photos.h"
 #include "mapping/session/match_in_parts.h"
 #include "mapping/session/photo_places.h"
+#include "mapping/session/place_growth.h"
 #include "mapping/session/row_jumps.h"
 #include "mapping/session/stage_clock.h"
 #include "mapping/session/stage_codec.h"
@@ -41,6 +40,10 @@ class Mapper {
     options_.two_views.num_threads = input.num_threads;
     options_.growth.num_threads = input.num_threads;
     options_.adjust.num_threads = input.num_threads;
+    options_.pairs.default_accuracy_m =
+        std::max(options_.pairs.default_accuracy_m, input.gps_accuracy_m);
+    options_.growth.default_gps_accuracy_m =
+        std::max(options_.growth.default_gps_accuracy_m, input.gps_accuracy_m);
     if (!input.work_dir.empty()) {
       work_ = std::make_unique<WorkFolder>(input.work_dir);
     }
@@ -49,9 +52,9 @@ class Mapper {
   MappedPhotos Run() {
     Read();
     Calibrate();
-    const Growth growth = Grow();
-    Place(growth);
-    return std::move(result_);
+    MappedPhotos mapped = Place(Grow());
+    Complete(&mapped);
+    return mapped;
   }
 
  private:
@@ -75,13 +78,8 @@ class Mapper {
   std::vector<TwoView> MatchAndCorrect();
   Growth GrowOnce(bool is_corrected, int num_regrowths);
   Growth Grow();
-  void Place(const Growth& growth);
-  void PlaceOne(const Segment& segment);
-  void LeaveOut(const Segment& segment, const std::string& problem, const std::string& reason);
-  void Add(const PlacedSegment& placed);
-  void FillImages();
-  void ReportCameras();
-  void ReportLeftOut(const Growth& growth);
+  MappedPhotos Place(const Growth& growth);
+  void Complete(MappedPhotos* mapped);
 
   const MapPhotosInput& input_;
   MappingOptions options_;
@@ -93,11 +91,12 @@ class Mapper {
   std::string views_key_, segments_key_;
   std::vector<MappingCamera> cameras_as_read_;  // Those of the set before Calibrate().
   std::optional<std::vector<std::pair<int, int>>> pairs_;
-  MappedPhotos result_;
+  int num_photos_ = 0;  // Files that were found.
+  std::vector<StageCost> stages_;
 };
 
 void Mapper::Read() {
-  StageClock clock("photos", &result_.stages);
+  StageClock clock("photos", &stages_);
   folder_ = ReadPhotos(input_.paths,
                        {.cameras = input_.cameras,
                         .sift = options_.sift,
@@ -107,16 +106,14 @@ void Mapper::Read() {
                         .names_to_keep = NamesInTable(input_)},
                        Reporter("photos"));
   const int num_read = static_cast<int>(folder_.set.photos.size());
-  result_.num_photos = num_read + static_cast<int>(folder_.left_out.size());
-  result_.left_out = folder_.left_out;
-  result_.notes = folder_.notes;
+  num_photos_ = num_read + static_cast<int>(folder_.left_out.size());
   if (num_read < options_.growth.min_photos) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{} of {} photos can be read, and a map needs {} that show the same "
                             "place from different places",
-                            num_read, result_.num_photos, options_.growth.min_photos));
+                            num_read, num_photos_, options_.growth.min_photos));
   }
-  places_ = FindPhotoPlaces(input_, &folder_, &result_.notes);
+  places_ = FindPhotoPlaces(input_, &folder_, &folder_.notes);
   DropJumps(input_.gps_accuracy_m, options_.two_views, &folder_.set);
   views_key_ = ViewsKeyOf(folder_, places_, options_);
   segments_key_ = SegmentsKeyOf(views_key_, options_.growth);
@@ -126,7 +123,7 @@ void Mapper::Read() {
 std::vector<TwoView> Mapper::Match(const char* stage, const std::string& file,
                                    const std::string& key,
                                    std::span<const std::pair<int, int>> pairs) {
-  StageClock clock(stage, &result_.stages);
+  StageClock clock(stage, &stages_);
   bool is_from_work = false;
   std::vector<TwoView> views =
       FindTwoViewsInParts(folder_.set, pairs, options_.two_views, {work_.get(), file, key},
@@ -138,9 +135,17 @@ std::vector<TwoView> Mapper::Match(const char* stage, const std::string& file,
 
 void Mapper::FindPairsOnce() {
   if (!pairs_) {
-    StageClock clock("pairs", &result_.stages);
-    pairs_ = FindPairs(folder_.set, options_.pairs, Reporter("pairs"));
-    clock.End(false);
+    StageClock clock("pairs", &stages_);
+    const auto stored = work_ ? work_->Load("pairs", views_key_) : std::nullopt;
+    if (stored) {
+      pairs_ = DecodePairs(*stored, folder_.set, work_->PathOf("pairs"));
+    } else {
+      pairs_ = FindPairs(folder_.set, options_.pairs, Reporter("pairs"));
+    }
+    if (work_ && !stored) {
+      work_->Store("pairs", views_key_, EncodePairs(*pairs_));
+    }
+    clock.End(stored.has_value());
   }
 }
 
@@ -151,7 +156,7 @@ void Mapper::Calibrate() {
     return;
   }
   if (work_) {
-    StageClock clock("focal lengths", &result_.stages);
+    StageClock clock("focal lengths", &stages_);
     if (LoadCameras("cameras", views_key_)) {
       clock.End(true);
       return;
@@ -160,7 +165,7 @@ void Mapper::Calibrate() {
   FindPairsOnce();
   const std::vector<TwoView> views =
       Match("calibration", "focal", views_key_, PairsForCalibration(folder_.set, *pairs_));
-  StageClock clock("focal lengths", &result_.stages);
+  StageClock clock("focal lengths", &stages_);
   ChangeCameras(CalibrateGuesses(folder_.set, views, input_.num_threads), "cameras", views_key_);
   clock.End(false);
 }
@@ -185,7 +190,7 @@ void Mapper::ChangeCameras(std::vector<MappingCamera> cameras, const std::string
 // Matches once more if the photos contradict focal lengths of their EXIF.
 std::vector<TwoView> Mapper::MatchAndCorrect() {
   std::vector<TwoView> views = Match("matching", "views", views_key_, *pairs_);
-  StageClock clock("EXIF check", &result_.stages);
+  StageClock clock("EXIF check", &stages_);
   auto corrected = CorrectFocals(folder_.set, views, input_.num_threads);
   clock.End(false);
   if (!corrected) {
@@ -205,7 +210,7 @@ Growth Mapper::GrowOnce(bool is_corrected, int num_regrowths) {
   } else {
     views = MatchAndCorrect();
   }
-  StageClock clock("growth", &result_.stages);
+  StageClock clock("growth", &stages_);
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
   clock.End(false);
   return growth;
@@ -220,7 +225,7 @@ Growth Mapper::Grow() {
     ++num_regrowths;
   }
   if (work_) {
-    StageClock clock("growth", &result_.stages);
+    StageClock clock("growth", &stages_);
     if (const auto stored = work_->Load("segments", segments_key_)) {
       Growth growth = DecodeGrowth(*stored, folder_.set, work_->PathOf("segments"));
       clock.End(true);
@@ -243,142 +248,29 @@ Growth Mapper::Grow() {
   }
 }
 
-void Mapper::Place(const Growth& growth) {
-  if (growth.segments.empty()) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("no three of the {} photos show the same place from different places. "
-                            "Take a photo every two or three steps, not only turning on the spot",
-                            folder_.set.photos.size()));
-  }
-  StageClock clock("placement", &result_.stages);
-  result_.position_of_photo.resize(folder_.set.photos.size());
-  result_.center_of_photo.resize(folder_.set.photos.size());
-  std::exception_ptr first_problem;
-  const auto num_segments = std::ssize(growth.segments);
-  for (size_t i = 0; i < growth.segments.size(); ++i) {
-    Report("placement", static_cast<int64_t>(i), num_segments);
-    try {
-      PlaceOne(growth.segments[i]);
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
-        throw;
-      }
-      if (!first_problem) {
-        first_problem = std::current_exception();
-      }
-      LeaveOut(growth.segments[i], error.what(), "has no place of its own");
-    }
-  }
-  if (result_.model.images.empty()) {
-    std::rethrow_exception(first_problem);
-  }
-  Report("placement", num_segments, num_segments);
-  ReportLeftOut(growth);
-  ReportCameras();
-  FillImages();
-  clock.End(false);
+MappedPhotos Mapper::Place(const Growth& growth) {
+  StageClock clock("placement", &stages_);
+  bool is_from_work = false;
+  MappedPhotos mapped =
+      PlaceGrowth(growth, places_, cameras_as_read_,
+                  {.georegister = georegister_,
+                   .adjust = options_.adjust,
+                   .keeps_unplaced = input_.keeps_unplaced,
+                   .work = work_.get(),
+                   .key = PlacementKeyOf(segments_key_, options_.adjust, georegister_),
+                   .progress = progress_},
+                  &folder_.set, &is_from_work);
+  clock.End(is_from_work);
+  return mapped;
 }
 
-void Mapper::PlaceOne(const Segment& segment) {
-  const PlacedSegment placed =
-      PlaceSegment(folder_.set, places_, segment, georegister_, options_.adjust);
-  Add(placed);
-  std::ranges::move(NotesOnOutliers(placed.georegistration), std::back_inserter(result_.notes));
-  result_.segments.push_back({.num_photos = static_cast<int>(segment.photo_of_image.size()),
-                              .georegistration = placed.georegistration,
-                              .adjustment = placed.adjustment});
-}
-
-// `problem` is of the segment, `reason` completes a sentence about each of its photos.
-void Mapper::LeaveOut(const Segment& segment, const std::string& problem,
-                      const std::string& reason) {
-  SegmentReport report;
-  report.num_photos = static_cast<int>(segment.photo_of_image.size());
-  report.problem = problem;
-  for (const int photo : segment.photo_of_image) {
-    result_.left_out.push_back(
-        {folder_.set.photos[photo].name,
-         fmt::format("is in a part of {} photos that is not connected to the others and {}",
-                     report.num_photos, reason)});
-  }
-  result_.segments.push_back(std::move(report));
-}
-
-// Appends the segment to the model, in whose world it is moved.
-void Mapper::Add(const PlacedSegment& placed) {
-  Reconstruction& model = result_.model;
-  if (model.images.empty()) {
-    result_.ecef_from_world = placed.georegistration.ecef_from_world;
-    result_.georegistration = placed.georegistration;
-  }
-  TakeWorst(placed.georegistration, &result_.georegistration);
-  const Sim3d world_from_segment =
-      Rigid3d(result_.ecef_from_world.rotation, result_.ecef_from_world.translation).Inverse() *
-      placed.georegistration.ecef_from_world;
-  const int first_camera = static_cast<int>(model.cameras.size());
-  const int first_image = static_cast<int>(model.images.size());
-  const Reconstruction& part = placed.segment.model;
-  model.cameras.insert(model.cameras.end(), part.cameras.begin(), part.cameras.end());
-  for (size_t i = 0; i < part.images.size(); ++i) {
-    ReconImage image = part.images[i];
-    image.camera_idx += first_camera;
-    image.cam_from_world = CamFromTarget(image.cam_from_world, world_from_segment);
-    const int photo = placed.segment.photo_of_image[i];
-    result_.center_of_photo[photo] = image.cam_from_world.Inverse().translation;
-    result_.photo_of_image.push_back(photo);
-    result_.segment_of_image.push_back(static_cast<int>(result_.segments.size()));
-    model.images.push_back(std::move(image));
-  }
-  for (ReconLandmark landmark : part.landmarks) {
-    landmark.x_in_world = world_from_segment * landmark.x_in_world;
-    for (ReconObservation& seen : landmark.observations) {
-      seen.image_idx += first_image;
-    }
-    model.landmarks.push_back(std::move(landmark));
-  }
-}
-
-// Gives the images of the model their descriptors, which the set then no longer has.
-void Mapper::FillImages() {
-  const Sim3d world_from_ecef = result_.ecef_from_world.Inverse();
-  for (size_t i = 0; i < folder_.set.photos.size(); ++i) {
-    if (const auto& position = places_.positions[i]) {
-      result_.position_of_photo[i] = world_from_ecef * EcefFromGeodetic(position->position);
-    }
-  }
-  for (size_t i = 0; i < result_.model.images.size(); ++i) {
-    ByteDescriptorMatrix& descriptors = folder_.set.photos[result_.photo_of_image[i]].descriptors;
-    result_.model.images[i].features.descriptors = PackedDescriptors(std::move(descriptors));
-  }
-  result_.num_mapped = static_cast<int>(result_.model.images.size());
-  result_.model.Validate();
-}
-
-void Mapper::ReportCameras() {
-  const size_t num_cameras = folder_.set.cameras.size();
-  std::vector<int> num_photos(result_.model.cameras.size(), 0);
-  for (const ReconImage& image : result_.model.images) {
-    ++num_photos[image.camera_idx];
-  }
-  for (size_t i = 0; i < result_.model.cameras.size(); ++i) {
-    const MappingCamera& before = cameras_as_read_[i % num_cameras];
-    if (num_photos[i] > 0) {
-      result_.cameras.push_back(
-          {result_.model.cameras[i], before.camera.focal_px(), before.source, num_photos[i]});
-    }
-  }
-  std::ranges::move(NotesOnEditedPhotos(result_.model, cameras_as_read_),
-                    std::back_inserter(result_.notes));
-}
-
-void Mapper::ReportLeftOut(const Growth& growth) {
-  for (size_t i = 0; i < growth.verdict_of_photo.size(); ++i) {
-    if (growth.verdict_of_photo[i] != PhotoVerdict::kInSegment) {
-      result_.left_out.push_back(
-          {folder_.set.photos[i].name, ExplainVerdict(growth.verdict_of_photo[i])});
-    }
-  }
-  std::ranges::sort(result_.left_out, {}, &LeftOutPhoto::name);
+// What is known of the photos since they were read, and the stages.
+void Mapper::Complete(MappedPhotos* mapped) {
+  mapped->num_photos = num_photos_;
+  std::ranges::move(folder_.left_out, std::back_inserter(mapped->left_out));
+  std::ranges::sort(mapped->left_out, {}, &LeftOutPhoto::name);
+  mapped->notes.insert(mapped->notes.begin(), folder_.notes.begin(), folder_.notes.end());
+  mapped->stages = std::move(stages_);
 }
 
 }  // namespace

@@ -47,7 +47,10 @@ struct MapPhotosInput {
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.
   std::string work_dir;                   // Empty: nothing is kept.
-  int num_threads = 1;                    // The result does not depend on it.
+  // Segments that their positions do not place are kept for a map to place
+  // (MappedPhotos::unplaced).
+  bool keeps_unplaced = false;
+  int num_threads = 1;  // The result does not depend on it.
 };
 
 struct StageCost {
@@ -62,6 +65,9 @@ struct StageCost {
 struct SegmentReport {
   int num_photos = 0;
   std::string problem = {};  // Why it is not in the model; empty if it is.
+  // If true, `georegistration` has the answers of a map in place of positions, and there is no
+  // `adjustment`.
+  bool is_placed_by_map = false;
   Georegistration georegistration = {};
   AdjustReport adjustment = {};
   // How far the map moved it from where its positions placed it, at the middle of its cameras. 0
@@ -77,6 +83,14 @@ struct CameraReport {
   int num_photos = 0;  // In the model.
 };
 
+// A segment whose positions do not place it: they do not tell its scale, or which way is up.
+struct UnplacedSegment {
+  Segment segment;  // With descriptors.
+  int number = 0;   // In MappedPhotos::segments, which has the problem.
+  std::vector<CameraReport> cameras;
+  std::vector<std::optional<Geodetic>> positions;  // Of its images; heights above the ellipsoid.
+};
+
 struct MappedPhotos {
   // All segments that have a place, in one frame: east-north-up at `ecef_from_world`'s origin. The
   // positions alone place them beside each other.
@@ -88,6 +102,7 @@ struct MappedPhotos {
   // the worst of the placed segments.
   Georegistration georegistration;
   std::vector<SegmentReport> segments;  // Largest first.
+  std::vector<UnplacedSegment> unplaced;
   std::vector<CameraReport> cameras;
   std::vector<LeftOutPhoto> left_out;
   std::vector<std::string> notes;
@@ -106,8 +121,8 @@ using MapProgress = std::function<void(const char* phase, int64_t done, int64_t 
 // Reads photos, finds pairs, matches them, grows segments, places them on Earth. With a work
 // folder, a second run with the same input goes on where the first was killed, with the same
 // result. Throws Error(kBadInput), with what to do, if fewer than three photos can be read or have
-// a position, if no three photos show the same, or if no segment can be placed, then for the reason
-// of the largest one; what ReadPhotos and WorkFolder throw.
+// a position, if no three photos show the same, or, unless `keeps_unplaced`, if no segment can be
+// placed, then for the reason of the largest one; what ReadPhotos and WorkFolder throw.
 MappedPhotos MapPhotos(const MapPhotosInput& input, const MappingOptions& options,
                        const GeoregisterOptions& georegister, const MapProgress& progress = {});
 

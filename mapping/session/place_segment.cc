@@ -99,16 +99,15 @@ std::vector<CameraFreedom> FreedomsOf(const PhotoSet& set, const Reconstruction&
 
 }  // namespace
 
-PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
-                           const GeoregisterOptions& options, const AdjustOptions& adjust) {
-  PlacedSegment placed;
+AdjustedSegment AdjustToPositions(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
+                                  const GeoregisterOptions& options, const AdjustOptions& adjust) {
   // A segment bends as it grows, by more than good positions err. The adjustment straightens it, so
   // only then its residuals tell whether it belongs there.
   GeoregisterOptions bent = options;
   bent.max_median_residual_sigmas = std::numeric_limits<double>::infinity();
   const Georegistration start = Register(places, segment, bent);
-  placed.origin = OriginOf(segment.model, start.ecef_from_world);
-  const Rigid3d enu_from_ecef = EcefFromEnu(placed.origin).Inverse();
+  const Geodetic origin = OriginOf(segment.model, start.ecef_from_world);
+  const Rigid3d enu_from_ecef = EcefFromEnu(origin).Inverse();
   Move(enu_from_ecef * start.ecef_from_world, &segment.model);
   const std::vector<CameraFreedom> freedom = FreedomsOf(set, segment.model);
   // The loss would take positions far beyond their accuracy for outliers.
@@ -116,15 +115,20 @@ PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segme
   if (slack > 1.0) {
     Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, slack), adjust, segment.model);
   }
-  placed.adjustment =
+  const AdjustReport report =
       Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, 1.0), adjust, segment.model);
-  // The adjustment may turn a straight walk about itself, which its positions do not tell; the
-  // cameras do.
-  placed.georegistration = Register(places, segment, options);
-  Move(enu_from_ecef * placed.georegistration.ecef_from_world, &segment.model);
-  const Rigid3d ecef_from_enu = EcefFromEnu(placed.origin);
+  return {std::move(segment), origin, report};
+}
+
+PlacedSegment PlaceSegment(const PhotoPlaces& places, AdjustedSegment adjusted,
+                           const GeoregisterOptions& options) {
+  PlacedSegment placed;
+  placed.adjustment = adjusted.report;
+  placed.segment = std::move(adjusted.segment);
+  placed.georegistration = Register(places, placed.segment, options);
+  const Rigid3d ecef_from_enu = EcefFromEnu(adjusted.origin);
+  Move(ecef_from_enu.Inverse() * placed.georegistration.ecef_from_world, &placed.segment.model);
   placed.georegistration.ecef_from_world = {1.0, ecef_from_enu.rotation, ecef_from_enu.translation};
-  placed.segment = std::move(segment);
   return placed;
 }
 

@@ -19,18 +19,29 @@ struct PhotoPlaces {
   ImageOrientations orientations;
 };
 
-struct PlacedSegment {
-  Segment segment;  // World is east-north-up at `origin`, meters.
+// A segment that fits its photos and their positions.
+struct AdjustedSegment {
+  Segment segment;  // World is about east-north-up at `origin`, meters.
   Geodetic origin;
-  Georegistration georegistration;  // Its ecef_from_world is of the new world.
-  AdjustReport adjustment;
+  AdjustReport report;
 };
 
 // Cameras are as free as in the last adjustment of the growth (FreedomOf); a focal length of EXIF
 // that the growth held stays. Throws Error(kBadInput) as Georegister does, and if fewer than three
 // photos have a position.
-PlacedSegment PlaceSegment(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
-                           const GeoregisterOptions& options, const AdjustOptions& adjust);
+AdjustedSegment AdjustToPositions(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
+                                  const GeoregisterOptions& options, const AdjustOptions& adjust);
+
+struct PlacedSegment {
+  Segment segment;                  // World is east-north-up at the origin, meters.
+  Georegistration georegistration;  // Its ecef_from_world is of the new world.
+  AdjustReport adjustment;
+};
+
+// An adjustment may turn a straight walk about itself, which its positions do not tell; the cameras
+// do. Throws Error(kBadInput) as Georegister does.
+PlacedSegment PlaceSegment(const PhotoPlaces& places, AdjustedSegment adjusted,
+                           const GeoregisterOptions& options);
 
 // Makes `all` state the worst of its segments: a session has one accuracy for all of them.
 void TakeWorst(const Georegistration& segment, Georegistration* all);

@@ -146,6 +146,29 @@ Segment GetSegment(const PhotoSet& set, ByteReader* reader, const std::string& w
 
 }  // namespace
 
+std::vector<uint8_t> EncodePairs(std::span<const std::pair<int, int>> pairs) {
+  std::vector<uint8_t> bytes;
+  ByteWriter writer(&bytes);
+  PutIndex(static_cast<int>(pairs.size()), &writer);
+  for (const auto& [a, b] : pairs) {
+    PutIndex(a, &writer);
+    PutIndex(b, &writer);
+  }
+  return bytes;
+}
+
+std::vector<std::pair<int, int>> DecodePairs(std::span<const uint8_t> bytes, const PhotoSet& set,
+                                             const std::string& what) {
+  ByteReader reader(bytes, what);
+  const uint32_t count = reader.Get<uint32_t>();
+  std::vector<std::pair<int, int>> pairs;
+  for (uint32_t i = 0; i < count; ++i) {
+    const int a = GetIndex(&reader, set.photos.size(), what);
+    pairs.emplace_back(a, GetIndex(&reader, set.photos.size(), what));
+  }
+  return pairs;
+}
+
 std::vector<uint8_t> EncodeTwoViews(std::span<const TwoView> views) {
   std::vector<uint8_t> bytes;
   ByteWriter writer(&bytes);
@@ -251,6 +274,41 @@ Growth DecodeGrowth(std::span<const uint8_t> bytes, const PhotoSet& set, const s
     growth.segments.push_back(GetSegment(set, &reader, what));
   }
   return growth;
+}
+
+std::vector<uint8_t> EncodeAdjusted(const AdjustedSegment& adjusted) {
+  std::vector<uint8_t> bytes;
+  ByteWriter writer(&bytes);
+  const AdjustReport& report = adjusted.report;
+  for (const double value : {adjusted.origin.lat_rad, adjusted.origin.lon_rad, adjusted.origin.h_m,
+                             report.initial_cost, report.final_cost, report.rms_px}) {
+    writer.Put<double>(value);
+  }
+  for (const int64_t count :
+       {int64_t{report.num_rounds}, int64_t{report.num_iterations}, report.num_observations,
+        report.num_observations_removed, report.num_landmarks_removed}) {
+    writer.Put<int64_t>(count);
+  }
+  PutSegment(adjusted.segment, &writer);
+  return bytes;
+}
+
+AdjustedSegment DecodeAdjusted(std::span<const uint8_t> bytes, const PhotoSet& set,
+                               const std::string& what) {
+  ByteReader reader(bytes, what);
+  AdjustedSegment adjusted;
+  AdjustReport& report = adjusted.report;
+  for (double* value : {&adjusted.origin.lat_rad, &adjusted.origin.lon_rad, &adjusted.origin.h_m,
+                        &report.initial_cost, &report.final_cost, &report.rms_px}) {
+    *value = reader.Get<double>();
+  }
+  report.num_rounds = static_cast<int>(reader.Get<int64_t>());
+  report.num_iterations = static_cast<int>(reader.Get<int64_t>());
+  report.num_observations = reader.Get<int64_t>();
+  report.num_observations_removed = reader.Get<int64_t>();
+  report.num_landmarks_removed = reader.Get<int64_t>();
+  adjusted.segment = GetSegment(set, &reader, what);
+  return adjusted;
 }
 
 }  // namespace cairn

@@ -41,4 +41,14 @@ std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& g) 
                               g.adjust_after_growth, g.min_photos, g.seed));
 }
 
+std::string PlacementKeyOf(const std::string& segments_key, const AdjustOptions& a,
+                           const GeoregisterOptions& r) {
+  return DigestOf(fmt::format(
+      "{} placement 1 {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", segments_key,
+      a.loss_scale_sigmas, a.position_loss_scale_sigmas, a.distortion_sigma,
+      a.principal_point_loss_scale, a.max_iterations, a.min_relative_change, a.max_error_sigmas,
+      a.max_rounds, a.max_observations_of_all, a.min_ray_angle_rad, static_cast<int>(r.up),
+      r.least_up_odds, r.upright_sigma_rad, r.max_median_residual_sigmas, r.max_median_residual_m));
+}
+
 }  // namespace cairn

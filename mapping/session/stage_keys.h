@@ -19,6 +19,10 @@ std::string ViewsKeyOf(const PhotoFolder& folder, const PhotoPlaces& places,
 // What segments depend on. A number of its own changes if only the growth does.
 std::string SegmentsKeyOf(const std::string& views_key, const GrowthOptions& options);
 
+// What adjusted segments depend on.
+std::string PlacementKeyOf(const std::string& segments_key, const AdjustOptions& adjust,
+                           const GeoregisterOptions& georegister);
+
 }  // namespace cairn
 
 #endif  // CAIRN_MAPPING_SESSION_STAGE_KEYS_H_

@@ -202,6 +202,50 @@ TEST_F(MapFolders, JoinPartByPart) {
   EXPECT_NEAR(distance("ends/photo100.png", "ends/photo115.png") / 32.0, size, 0.005);
 }
 
+// Six photos within 4 m, with positions as phones have them.
+std::vector<Shot> Corner() {
+  std::vector<Shot> corner = testing::Walk(6);
+  for (int i = 0; i < 6; ++i) {
+    Shot& shot = corner[i];
+    shot.x_in_enu = {-2.0 + 0.8 * i, 0.5 + 0.3 * (i % 2), 1.7};
+    shot.gps_error_m = {3.0 * (i % 3 - 1), 2.0 - i, 1.5 * (i % 2)};
+    shot.exif.error_m = 5.0;
+  }
+  return corner;
+}
+
+TEST_F(MapFolders, WhosePositionsDoNotTellTheirScaleJoinByTheirPhotos) {
+  testing::WriteFolder(PhotoScene(7), Corner(), dir_.path() / "corner");
+  testing::ExpectError([&] { Map({"corner"}); }, ErrorCode::kBadInput,
+                       "do not determine the scale");
+  testing::WriteFolder(PhotoScene(7), testing::Walk(17), dir_.path() / "sunday");
+  const std::vector<MapSessionResult> sessions = Map({"corner", "sunday"});
+  ASSERT_EQ(sessions.size(), 2u);
+  ASSERT_EQ(sessions[1].name, "corner");
+  ASSERT_TRUE(sessions[1].is_in_map) << sessions[1].problem;
+  EXPECT_EQ(sessions[1].mapped.num_mapped, 6);
+  EXPECT_TRUE(sessions[1].mapped.left_out.empty());
+  EXPECT_EQ(sessions[1].mapped.cameras.size(), 1u);
+  const nlohmann::ordered_json json = MapSessionJson(sessions[1]);
+  EXPECT_EQ(json["photos"]["segments"][0]["placedBy"], "map");
+  EXPECT_EQ(json["photos"]["scale"], "map");
+  const auto centers = CentersIn("town.gpkg");
+  const auto distance = [&](const std::string& p, const std::string& q) {
+    return (centers.at(p) - centers.at(q)).norm();
+  };
+  const double size = distance("sunday/photo100.png", "sunday/photo116.png") / 32.0;
+  EXPECT_NEAR(distance("corner/photo100.png", "corner/photo104.png") / 3.2, size, 0.02);
+}
+
+TEST_F(MapFolders, WhosePositionsDoNotTellTheirScaleAreNotPlacedWhereTheMapShowsAnotherWall) {
+  Map({"tuesday"});
+  testing::WriteFolder(PhotoScene(8), Corner(), dir_.path() / "elsewhere");
+  testing::ExpectError([&] { Map({"elsewhere"}); }, ErrorCode::kConflict,
+                       "do not determine the scale; give positions farther apart or more accurate "
+                       "ones. The map does not place it, either: it recognizes 0 of 6 photos");
+  EXPECT_EQ(CentersIn("town.gpkg").size(), 11u);
+}
+
 TEST_F(MapFolders, AreOneSessionUnderAName) {
   MapSessionArguments arguments = Arguments({"monday", "tuesday"});
   arguments.session.options.ingest.session_name = "week";

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <utility>
 
 #include "ingest/ingest_session.h"
@@ -84,13 +85,15 @@ class FitPartsTest : public ::testing::Test {
 
   // Joins the parts and fits them.
   std::map<int, SessionPart> Fit(const Reconstruction& a, const Reconstruction& b,
-                                 const Sim3d& ecef_from_world) {
+                                 const Sim3d& ecef_from_world,
+                                 const std::set<int>& placed_by_map = {}) {
     std::vector<int> part_of_image(a.images.size(), 0);
     part_of_image.resize(a.images.size() + b.images.size(), 1);
     session_ = Joined(a, b);
     IngestOptions options = testing::SessionNamed("tuesday");
     options.agreement.position_accuracy_m = 4.5;
-    return FitParts(map_.Snapshot(), part_of_image, ecef_from_world, options, &session_);
+    return FitParts(map_.Snapshot(), part_of_image, placed_by_map, ecef_from_world, options,
+                    &session_);
   }
 
   // The largest distance of a camera from its place in the street, meters.
@@ -152,6 +155,15 @@ TEST_F(FitPartsTest, LeavesTheLargestPartToTheIngestIfTheMapAnchorsNone) {
   EXPECT_NE(parts.at(0).problem, "");
   EXPECT_EQ(parts.at(1).problem, "");
   EXPECT_EQ(session_.images.size(), b.images.size());
+}
+
+TEST_F(FitPartsTest, LeavesOutALargerPartThatOnlyTheMapPlacedIfItAnchorsNone) {
+  const testing::StreetWorld elsewhere(Street(77, /*seed=*/99));
+  const Reconstruction a = Stretch(elsewhere, 0, 30);
+  const auto parts = Fit(a, Stretch(elsewhere, 50, 120), tuesday_.EcefFromWorld(), {1});
+  EXPECT_EQ(parts.at(0).problem, "");
+  EXPECT_NE(parts.at(1).problem, "");
+  EXPECT_EQ(session_.images.size(), a.images.size());
 }
 
 TEST_F(FitPartsTest, KeepsAllPartsFarFromTheMap) {

@@ -10,6 +10,11 @@
 namespace cairn {
 namespace {
 
+PlacedSegment Place(const testing::StreetSegment& street) {
+  return PlaceSegment(street.places,
+                      AdjustToPositions(street.set, street.places, street.segment, {}, {}), {});
+}
+
 double LargestError(const testing::StreetSegment& street, const PlacedSegment& placed) {
   double largest_m = 0.0;
   for (const ReconImage& image : placed.segment.model.images) {
@@ -22,7 +27,7 @@ double LargestError(const testing::StreetSegment& street, const PlacedSegment& p
 
 TEST(PlaceSegment, PutsPhotosWhereTheirPositionsAre) {
   const testing::StreetSegment street = testing::MakeStreetSegment(0.05);
-  const PlacedSegment placed = PlaceSegment(street.set, street.places, street.segment, {}, {});
+  const PlacedSegment placed = Place(street);
   EXPECT_LT(LargestError(street, placed), 0.2);
   EXPECT_NEAR(placed.georegistration.ecef_from_world.scale, 1.0, 1e-12);
   EXPECT_LT(placed.adjustment.rms_px, 1.0);
@@ -32,7 +37,7 @@ TEST(PlaceSegment, DoesNotBendAStreetToPoorPositions) {
   testing::StreetSegment street = testing::MakeStreetSegment(2.0);
   street.places.positions[5].reset();
   street.places.positions[7]->position.lat_rad += 1e-5;  // 64 m.
-  const PlacedSegment placed = PlaceSegment(street.set, street.places, street.segment, {}, {});
+  const PlacedSegment placed = Place(street);
   const Reconstruction& model = placed.segment.model;
   const Reconstruction& truth = street.segment.model;
   Eigen::Matrix3Xd found(3, model.images.size()), expected(3, model.images.size());
@@ -63,7 +68,7 @@ TEST(PlaceSegment, StraightensABentStreetByGoodPositions) {
   for (ReconLandmark& landmark : street.segment.model.landmarks) {
     landmark.x_in_world = bend(landmark.x_in_world);
   }
-  const PlacedSegment placed = PlaceSegment(street.set, street.places, street.segment, {}, {});
+  const PlacedSegment placed = Place(street);
   EXPECT_LT(LargestError(street, placed), 0.15);
   EXPECT_LT(placed.adjustment.rms_px, 1.0);
 }
@@ -75,7 +80,7 @@ TEST(PlaceSegment, RefusesPositionsThatTheStreetDoesNotFit) {
   for (size_t i = 0; i + 1 < positions.size(); i += 2) {
     std::swap(positions[i]->position, positions[i + 1]->position);  // 3 m off, each.
   }
-  EXPECT_THROW(PlaceSegment(street.set, street.places, street.segment, {}, {}), Error);
+  EXPECT_THROW(Place(street), Error);
 }
 
 TEST(PlaceSegment, KeepsAFocalLengthOfExifThatTheGrowthHeld) {
@@ -83,7 +88,7 @@ TEST(PlaceSegment, KeepsAFocalLengthOfExifThatTheGrowthHeld) {
   MappingCamera& known = street.set.cameras[0];
   known.source = FocalSource::kExif;
   known.focal.log_sigma = 0.05;
-  const PlacedSegment placed = PlaceSegment(street.set, street.places, street.segment, {}, {});
+  const PlacedSegment placed = Place(street);
   EXPECT_EQ(placed.segment.model.cameras[0].params(), known.camera.params());
 }
 
@@ -93,7 +98,7 @@ TEST(PlaceSegment, SaysHowManyPositionsItNeeds) {
     street.places.positions[i].reset();
   }
   try {
-    PlaceSegment(street.set, street.places, street.segment, {}, {});
+    Place(street);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBadInput);

@@ -30,6 +30,36 @@ TEST(StageCodec, KeepsEveryBitOfAGrowth) {
   EXPECT_EQ(EncodeGrowth(decoded), bytes);
 }
 
+TEST(StageCodec, KeepsEveryBitOfAnAdjustedSegment) {
+  const testing::StreetSegment street = testing::MakeStreetSegment(1.0);
+  AdjustedSegment adjusted;
+  adjusted.segment = street.segment;
+  adjusted.origin = Geodetic::FromDegrees(47.0, 8.5, 400.0);
+  adjusted.report = {.num_rounds = 2,
+                     .num_iterations = 9,
+                     .initial_cost = 7.5,
+                     .final_cost = 6.25,
+                     .rms_px = 0.4,
+                     .num_observations = int64_t{1} << 40,
+                     .num_observations_removed = 3,
+                     .num_landmarks_removed = 1};
+  const std::vector<uint8_t> bytes = EncodeAdjusted(adjusted);
+  const AdjustedSegment decoded = DecodeAdjusted(bytes, street.set, "adjusted-0");
+  EXPECT_EQ(decoded.origin.lat_rad, adjusted.origin.lat_rad);
+  EXPECT_EQ(decoded.report.num_observations, int64_t{1} << 40);
+  EXPECT_EQ(decoded.report.num_landmarks_removed, 1);
+  EXPECT_EQ(decoded.segment.photo_of_image, street.segment.photo_of_image);
+  EXPECT_EQ(EncodeAdjusted(decoded), bytes);
+}
+
+TEST(StageCodec, KeepsPairs) {
+  const testing::StreetSegment street = testing::MakeStreetSegment(1.0);
+  const std::vector<std::pair<int, int>> pairs = {{0, 3}, {2, 1}};
+  EXPECT_EQ(DecodePairs(EncodePairs(pairs), street.set, "pairs"), pairs);
+  const std::vector<std::pair<int, int>> foreign = {{0, 16}};
+  EXPECT_THROW(DecodePairs(EncodePairs(foreign), street.set, "pairs"), Error);
+}
+
 TEST(StageCodec, KeepsEveryBitOfTwoViews) {
   const testing::StreetSegment street = testing::MakeStreetSegment(1.0);
   TwoView view;
