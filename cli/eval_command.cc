@@ -22,6 +22,7 @@
 #include "cli/whole_file.h"
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
 #include "core/parallel_for.h"
 #include "engine/localizer.h"
 #include "eval/elsewhere.h"
@@ -73,6 +74,7 @@ bool NeedsImages(const EvalArguments& arguments, const EvalQuery& query) {
 // Extracts features if the arguments ask for extracted features or if a query has none.
 void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
                      std::vector<EvalQuery>* queries) {
+  const SiftExtractor extractor(arguments.options.sift);
   const auto total = static_cast<int64_t>(queries->size());
   for (int64_t i = 0; i < total; ++i) {
     EvalQuery& query = (*queries)[i];
@@ -81,7 +83,7 @@ void ExtractFeatures(const EvalArguments& arguments, Progress* progress,
     }
     RequirePhoto(query);
     if (arguments.server_url.empty() || arguments.send_as == SendAs::kFeatures) {
-      ExtractQueryFeatures(arguments.options.sift, &query);
+      ExtractQueryFeatures(extractor, &query);
     }
     progress->Update("extract", i + 1, total);
   }

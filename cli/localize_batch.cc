@@ -49,9 +49,9 @@ BatchSource OpenSource(const LocalizeArguments& arguments) {
   return source;
 }
 
-PhotoAnswerer AskLocalizer(const BatchSource& source, const SiftOptions& sift) {
-  return [&source, &sift](PhotoQuery* photo) {
-    photo->query.features = ExtractSift(photo->photo.image, sift);
+PhotoAnswerer AskLocalizer(const BatchSource& source, const FeatureExtractor& extractor) {
+  return [&source, &extractor](PhotoQuery* photo) {
+    photo->query.features = extractor.Extract(photo->photo.image);
     photo->photo.image = {};
     return source.localizer->LocalizeIn(*source.map, photo->query);
   };
@@ -209,8 +209,9 @@ ExitCode RunLocalizeBatch(const LocalizeArguments& arguments, ProgressMode progr
   options.frame =
       WorldFrameOf(arguments.batch.frame, FrameChoice::kEcef, source.map ? &*source.map : nullptr);
   options.num_threads = arguments.batch.num_threads;
+  const SiftExtractor extractor(arguments.options.sift);
   options.make_answerer = [&] {
-    return source.localizer ? AskLocalizer(source, arguments.options.sift) : AskServer(arguments);
+    return source.localizer ? AskLocalizer(source, extractor) : AskServer(arguments);
   };
   std::vector<std::string> names;
   for (const ListedPhoto& photo : photos) {

@@ -58,9 +58,10 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
         .LocalizeImages(*query, images);
   }
   const Localizer localizer = Localizer::Open(arguments.map_path, arguments.options.localizer);
-  query->features = ExtractSift(photo.image, arguments.options.sift);
+  const SiftExtractor extractor(arguments.options.sift);
+  query->features = extractor.Extract(photo.image);
   for (size_t i = 0; i < others.size(); ++i) {
-    query->other_cameras[i].features = ExtractSift(others[i].photo.image, arguments.options.sift);
+    query->other_cameras[i].features = extractor.Extract(others[i].photo.image);
   }
   return localizer.Localize(*query);
 }

@@ -62,12 +62,12 @@ void RequirePhoto(const EvalQuery& query) {
   }
 }
 
-void ExtractQueryFeatures(const SiftOptions& options, EvalQuery* query) {
+void ExtractQueryFeatures(const FeatureExtractor& extractor, EvalQuery* query) {
   RequirePhoto(*query);
   const GrayImage photo = ReadGrayImage(query->image_path);
   RequireSizeOf(query->query.camera, photo.picture_width_px(), photo.picture_height_px(),
                 query->image_path);
-  query->query.features = ExtractSift(photo, options);
+  query->query.features = extractor.Extract(photo);
 }
 
 void WriteQueryListWithFeatures(const std::string& path, std::vector<EvalQuery>* queries) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/sift/sift_extractor.h"
+#include "core/features/feature_extractor.h"
 #include "eval/eval_query.h"
 
 namespace cairn {
@@ -20,7 +20,7 @@ void RequirePhoto(const EvalQuery& query);
 
 // Extracts the features of the query's photo, as it is stored. Throws as RequirePhoto, and
 // Error(kBadInput) if the photo cannot be read or has another size than the camera's.
-void ExtractQueryFeatures(const SiftOptions& options, EvalQuery* query);
+void ExtractQueryFeatures(const FeatureExtractor& extractor, EvalQuery* query);
 
 // Writes the list to `path`, and the features of each query, losslessly, to "<name>.features" in
 // the folder "<path without extension>_features" beside the list. Sets features_path. Throws

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -10,8 +11,8 @@
 namespace cairn {
 
 void PhotoSet::Validate() const {
-  constexpr int kSiftDim = 128;
   std::set<std::string_view> names;
+  std::optional<Eigen::Index> descriptor_dim;
   for (const MappingPhoto& photo : photos) {
     const auto require = [&](bool condition, const char* problem) {
       if (!condition) {
@@ -23,8 +24,11 @@ void PhotoSet::Validate() const {
             "its camera is not in the set");
     require(static_cast<int64_t>(photo.keypoints.size()) == photo.descriptors.rows(),
             "keypoints and descriptors differ in number");
-    require(photo.keypoints.empty() || photo.descriptors.cols() == kSiftDim,
-            "its descriptors are not SIFT (128 numbers)");
+    if (!photo.keypoints.empty()) {
+      require(descriptor_dim.value_or(photo.descriptors.cols()) == photo.descriptors.cols(),
+              "its descriptors have another length than those of the photos before it");
+      descriptor_dim = photo.descriptors.cols();
+    }
   }
 }
 

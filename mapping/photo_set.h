@@ -50,11 +50,12 @@ struct MappingPhoto {
 };
 
 struct PhotoSet {
+  std::string descriptor_type = "sift";  // FeatureExtractor::descriptor_type.
   std::vector<MappingCamera> cameras;
   std::vector<MappingPhoto> photos;
 
   // Throws Error(kBadInput), naming the photo, if a camera index is out of range, keypoints and
-  // descriptors differ in number, descriptors are not 128-D, or two photos have one name.
+  // descriptors differ in number, descriptors differ in length, or two photos have one name.
   void Validate() const;
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/features/sift/sift_extractor.h"
 #include "core/images/orient_image.h"
 #include "http/client.h"
 #include "http/exchange/server_url.h"
@@ -90,7 +91,7 @@ class Server {
 
   LocalizeResult AskWithFeatures(const StatedQuery& stated) {
     LentQuery lent;
-    FillQuery(stated, {}, "", &lent);
+    FillQuery(stated, SiftExtractor(), "", &lent);
     return ClientOf(ImageOrientation::kAsSize)->LocalizeFeatures(lent.query);
   }
 

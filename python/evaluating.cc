@@ -11,6 +11,7 @@
 #include "cli/eval_queries.h"
 #include "cli/query_features.h"
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
 #include "core/parallel_for.h"
 #include "core/printable.h"
 #include "engine/localizer.h"
@@ -58,9 +59,9 @@ EvaluateArguments ArgumentsOf(const py::object& path, const py::kwargs& keywords
 }
 
 // The features of the query, of its photo if it has none.
-void RequireFeatures(const SiftOptions& sift, EvalQuery* query) {
+void RequireFeatures(const FeatureExtractor& extractor, EvalQuery* query) {
   if (query->query.features.size() == 0) {
-    ExtractQueryFeatures(sift, query);
+    ExtractQueryFeatures(extractor, query);
   }
 }
 
@@ -71,11 +72,12 @@ EvalReport Measure(const EvaluateArguments& arguments, const WorkProgress& repor
   if (!arguments.given_priors) {
     AddNoisyPriors(arguments.noise, &queries);
   }
+  const SiftExtractor extractor(arguments.options.sift);
   std::vector<LocalizeResult> results(queries.size());
   std::mutex mutex;
   int64_t num_done = 0;
   ParallelFor(static_cast<int>(queries.size()), arguments.num_threads, [&](int i) {
-    RequireFeatures(arguments.options.sift, &queries[i]);
+    RequireFeatures(extractor, &queries[i]);
     results[i] = localizer.Localize(queries[i].query);
     const std::lock_guard lock(mutex);
     report("localize", ++num_done, static_cast<int64_t>(queries.size()));

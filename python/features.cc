@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
 #include "core/keypoint_shape.h"
 #include "python/arguments.h"
 #include "python/arrays.h"
@@ -103,11 +104,11 @@ std::shared_ptr<StoredFeatures> Extract(const py::object& image, const py::objec
     RefuseArgument("image", "must be a picture, not features");
   }
   const std::optional<StatedCamera> camera = CameraOf("camera", camera_argument);
-  const SiftOptions sift = OptionsOf(options).sift;
+  const SiftExtractor extractor(OptionsOf(options).sift);
   const py::gil_scoped_release release;
   const Picture picture = ReadPicture(input, camera ? &camera->camera : nullptr);
   return std::make_shared<StoredFeatures>(
-      ExtractSift(picture.image, sift), "sift",
+      extractor.Extract(picture.image), extractor.descriptor_type(),
       std::array{picture.image.picture_width_px(), picture.image.picture_height_px()});
 }
 

@@ -21,7 +21,7 @@ std::shared_ptr<const OpenedMap> OpenMapAt(const std::string& path, const py::ob
   const py::gil_scoped_release release;
   auto map = std::make_shared<OpenedMap>(OpenedMap{
       Localizer::Open(path, options.localizer, static_cast<size_t>(1048576.0 * megabytes)),
-      options.sift, ""});
+      SiftExtractor(options.sift), ""});
   if (const auto codebook = map->localizer.map().Snapshot().CurrentCodebook()) {
     map->descriptor_type = codebook->descriptor_type;
   }
@@ -52,7 +52,7 @@ PythonResult LocalizeImage(const PythonMap& map, const py::object& image, const 
 PythonResult OpenedMap::Answer(const StatedQuery& stated) const {
   PythonResult answer;
   LentQuery lent;
-  FillQuery(stated, sift, descriptor_type, &lent);
+  FillQuery(stated, extractor, descriptor_type, &lent);
   const auto start = std::chrono::steady_clock::now();
   answer.result = localizer.Localize(lent.query);
   answer.localize_seconds = SecondsSince(start);

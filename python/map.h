@@ -16,7 +16,7 @@ namespace cairn::python {
 // What queries need. Safe to use from any thread, without the GIL.
 struct OpenedMap {
   Localizer localizer;
-  SiftOptions sift;
+  SiftExtractor extractor;
   std::string descriptor_type;  // Empty as long as the map has no codebook.
 
   PythonResult Answer(const StatedQuery& stated) const;

@@ -100,15 +100,15 @@ Picture Read(const CameraInput& input, const Camera* camera, LentQuery* filled) 
   return picture;
 }
 
-FeatureSet Extract(const Picture& picture, const SiftOptions& sift, LentQuery* filled) {
+FeatureSet Extract(const Picture& picture, const FeatureExtractor& extractor, LentQuery* filled) {
   const auto start = Clock::now();
-  FeatureSet features = ExtractSift(picture.image, sift);
+  FeatureSet features = extractor.Extract(picture.image);
   filled->extract_seconds += SecondsSince(start);
   return features;
 }
 
-void FillRig(const StatedQuery& stated, const SiftOptions& sift, const std::string& descriptor_type,
-             LentQuery* filled) {
+void FillRig(const StatedQuery& stated, const FeatureExtractor& extractor,
+             const std::string& descriptor_type, LentQuery* filled) {
   std::vector<RigCamera>& others = filled->query.other_cameras;
   for (size_t i = 0; i < stated.rig.size(); ++i) {
     const RigInput& seen = stated.rig[i];
@@ -122,7 +122,7 @@ void FillRig(const StatedQuery& stated, const SiftOptions& sift, const std::stri
       throw Error(ErrorCode::kInvalidArgument,
                   fmt::format("rig[{}]: the camera's images have another size than this one", i));
     }
-    others[i].features = Extract(picture, sift, filled);
+    others[i].features = Extract(picture, extractor, filled);
   }
 }
 
@@ -207,7 +207,7 @@ LocalizeQuery QueryWithoutFeatures(const StatedQuery& stated, const ExifInfo* ex
   return query;
 }
 
-void FillQuery(const StatedQuery& stated, const SiftOptions& sift,
+void FillQuery(const StatedQuery& stated, const FeatureExtractor& extractor,
                const std::string& descriptor_type, LentQuery* filled) {
   const auto start = Clock::now();
   const Camera* camera = stated.camera ? &stated.camera->camera : nullptr;
@@ -219,9 +219,9 @@ void FillQuery(const StatedQuery& stated, const SiftOptions& sift,
     const Picture picture = Read(stated.input, camera, filled);
     filled->query = QueryWithoutFeatures(stated, &picture.exif, picture.image.picture_width_px(),
                                          picture.image.picture_height_px());
-    filled->query.features = Extract(picture, sift, filled);
+    filled->query.features = Extract(picture, extractor, filled);
   }
-  FillRig(stated, sift, descriptor_type, filled);
+  FillRig(stated, extractor, descriptor_type, filled);
   if (stated.timeout_ms) {
     filled->query.deadline = start + std::chrono::milliseconds(*stated.timeout_ms);
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/sift/sift_extractor.h"
+#include "core/features/feature_extractor.h"
 #include "core/rigid3.h"
 #include "engine/localizer.h"
 #include "engine/query/localize_query.h"
@@ -67,9 +67,9 @@ struct LentQuery {
 // Reads the pictures and extracts their features as `cairn localize` does. What the query does not
 // say is taken from the EXIF of its picture: the camera and, with exif_prior, the position.
 // `descriptor_type` is that of the map, or empty if it has none yet. Does not need the GIL. Throws
-// Error with the argument or the file; as ExtractSift. The result refers to itself: it stays where
-// it is.
-void FillQuery(const StatedQuery& stated, const SiftOptions& sift,
+// Error with the argument or the file; as FeatureExtractor::Extract. The result refers to itself:
+// it stays where it is.
+void FillQuery(const StatedQuery& stated, const FeatureExtractor& extractor,
                const std::string& descriptor_type, LentQuery* filled);
 
 // Everything of the query but its features. `exif` is that of the picture, or null for features.

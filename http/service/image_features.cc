@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/check.h"
-#include "core/features/sift/sift_extractor.h"
 #include "core/images/image_header.h"
 #include "core/images/orient_image.h"
 #include "core/seconds_since.h"
@@ -106,15 +105,15 @@ void ThrowIfStopped(const ImageDecodeLimits& limits) {
   }
 }
 
-FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, const SiftOptions& sift,
-                   ServerTimes* times) {
+FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits,
+                   const FeatureExtractor& extractor, ServerTimes* times) {
   ThrowIfStopped(limits);
   const auto start = std::chrono::steady_clock::now();
   const GrayImage image = Decode(picture, limits);
   times->decode_seconds += SecondsSince(start);
   ThrowIfStopped(limits);
   const auto extraction_start = std::chrono::steady_clock::now();
-  FeatureSet features = ExtractSift(image, sift, limits.should_stop);
+  FeatureSet features = extractor.Extract(image, limits.should_stop);
   ThrowIfStopped(limits);
   times->extract_seconds += SecondsSince(extraction_start);
   return features;
@@ -122,16 +121,16 @@ FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits, cons
 
 }  // namespace
 
-void ExtractQueryFeatures(const ImageDecodeLimits& limits, const SiftOptions& sift,
+void ExtractQueryFeatures(const ImageDecodeLimits& limits, const FeatureExtractor& extractor,
                           LocalizeRequest* request, ServerTimes* times) {
   LocalizeQuery& query = request->query;
   const std::vector<RequestImage>& images = request->images;
   CAIRN_CHECK(images.size() == 1 + query.other_cameras.size(), "every camera has an image");
-  query.features = Extract({images[0], query.camera, ""}, limits, sift, times);
+  query.features = Extract({images[0], query.camera, ""}, limits, extractor, times);
   for (size_t i = 0; i < query.other_cameras.size(); ++i) {
     RigCamera& other = query.other_cameras[i];
     other.features =
-        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, limits, sift, times);
+        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, limits, extractor, times);
   }
 }
 

@@ -76,6 +76,7 @@ LocalizeResult LateAnswer(const ServedMap& map, const LocalizeQuery& query) {
 
 LocalizeService::LocalizeService(const ServerOptions& options)
     : options_(options),
+      extractor_(options.sift),
       maps_({.path = options.map_path,
              .cache_bytes = options.cache_bytes,
              .localizer = MakeLocalizerOptions(options)}),
@@ -102,7 +103,7 @@ bool LocalizeService::ExtractInTime(FairGate::Turn* turn, LocalizeRequest* reque
                                    return stopping_ || std::chrono::steady_clock::now() >= deadline;
                                  }};
   try {
-    ExtractQueryFeatures(limits, options_.sift, request, times);
+    ExtractQueryFeatures(limits, extractor_, request, times);
     return true;
   } catch (const DecodingStopped&) {
     if (stopping_) {

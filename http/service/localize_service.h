@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "core/features/sift/sift_extractor.h"
 #include "engine/localizer.h"
 #include "http/json/localize_request.h"
 #include "http/json/localize_response.h"
@@ -79,6 +80,7 @@ class LocalizeService {
   Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser& parse);
 
   const ServerOptions options_;
+  const SiftExtractor extractor_;  // Of the images of requests.
   ServedMaps maps_;
   Metrics metrics_;
   PublicationTime publication_time_;

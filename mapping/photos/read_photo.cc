@@ -15,8 +15,6 @@
 namespace cairn {
 namespace {
 
-constexpr int kDim = 128;
-
 // The formats that people's folders hold and Cairn does not decode, by their first bytes.
 std::string FormatReason(std::span<const uint8_t> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
@@ -82,7 +80,8 @@ ExifInfo GetExif(ByteReader* reader) {
 
 }  // namespace
 
-ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes, const SiftOptions& options) {
+ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes,
+                                 const FeatureExtractor& extractor) {
   if (const std::string reason = FormatReason(bytes); !reason.empty()) {
     throw Error(ErrorCode::kBadInput, reason);
   }
@@ -93,7 +92,7 @@ ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes, const SiftOptio
   const GrayImage image = DecodeGrayImage(bytes);
   photo.width_px = image.picture_width_px();
   photo.height_px = image.picture_height_px();
-  FeatureSet features = ExtractSift(image, options);
+  FeatureSet features = extractor.Extract(image);
   if (features.size() < kMinFeatures) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("only {} features: the photo is blank or blurred", features.size()));
@@ -120,7 +119,8 @@ std::vector<uint8_t> EncodeReadPhoto(const ReadPhotoResult& photo) {
   return bytes;
 }
 
-ReadPhotoResult DecodeReadPhoto(std::span<const uint8_t> bytes, const std::string& what) {
+ReadPhotoResult DecodeReadPhoto(std::span<const uint8_t> bytes, int descriptor_dim,
+                                const std::string& what) {
   ByteReader reader(bytes, what);
   ReadPhotoResult photo;
   photo.exif = GetExif(&reader);
@@ -133,9 +133,10 @@ ReadPhotoResult DecodeReadPhoto(std::span<const uint8_t> bytes, const std::strin
     photo.keypoints.push_back(
         {numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2], numbers[4 * i + 3]});
   }
-  const std::vector<uint8_t> descriptors = reader.GetVector<uint8_t>(kDim * count);
+  const std::vector<uint8_t> descriptors =
+      reader.GetVector<uint8_t>(static_cast<size_t>(descriptor_dim) * count);
   photo.descriptors = Eigen::Map<const ByteDescriptorMatrix>(
-      descriptors.data(), static_cast<Eigen::Index>(count), kDim);
+      descriptors.data(), static_cast<Eigen::Index>(count), descriptor_dim);
   if (reader.remaining() > 0 || photo.width_px < 1 || photo.height_px < 1) {
     throw Error(ErrorCode::kMapDamaged, what + ": is no photo of a work folder");
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/sift/sift_extractor.h"
+#include "core/features/feature_extractor.h"
 #include "core/images/exif.h"
 #include "mapping/photo_set.h"
 
@@ -25,15 +25,17 @@ struct ReadPhotoResult {
 
 // Decodes a photo and extracts its features. Throws Error(kBadInput), whose message is a reason to
 // leave the photo out, as DecodeGrayImage does, and if the photo has fewer than `kMinFeatures`.
-ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes, const SiftOptions& options);
+ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes, const FeatureExtractor& extractor);
 
 // A blank or blurred photo. No pose can be told from fewer.
 inline constexpr int kMinFeatures = 20;
 
 // A photo as a file of the work folder: docs/formats/mapping_work_v1.md.
 std::vector<uint8_t> EncodeReadPhoto(const ReadPhotoResult& photo);
-// Throws Error(kMapDamaged), beginning with `what`, if the bytes are no photo.
-ReadPhotoResult DecodeReadPhoto(std::span<const uint8_t> bytes, const std::string& what);
+// Throws Error(kMapDamaged), beginning with `what`, if the bytes are no photo whose descriptors
+// have this length.
+ReadPhotoResult DecodeReadPhoto(std::span<const uint8_t> bytes, int descriptor_dim,
+                                const std::string& what);
 
 }  // namespace cairn
 

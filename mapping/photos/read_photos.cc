@@ -38,10 +38,10 @@ std::span<const uint8_t> BytesOf(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
-// What a photo as it was read depends on. The first number changes if the extractor does, or what
-// is read of the EXIF.
-std::string SiftKey(const SiftOptions& sift) {
-  return fmt::format("sift 3 {} {}", sift.max_features, sift.max_pixels);
+// What a photo as it was read depends on. The number changes if the code of an extractor does, or
+// what is read of the EXIF.
+std::string ReadingKey(const FeatureExtractor& extractor) {
+  return fmt::format("{} 3 {}", extractor.descriptor_type(), extractor.settings());
 }
 
 // Nothing, and the reason in `result`, if the file cannot be read.
@@ -59,7 +59,8 @@ std::optional<std::vector<uint8_t>> BytesOfFile(const std::string& path, FileRes
 }
 
 // Errors of the work folder are not the photo's, and end the reading.
-FileResult ReadOne(const PhotoFile& file, const ReadPhotosOptions& options) {
+FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor,
+                   const WorkFolder* work) {
   FileResult result;
   const std::optional<std::vector<uint8_t>> bytes = BytesOfFile(file.path, &result);
   if (!bytes) {
@@ -67,16 +68,16 @@ FileResult ReadOne(const PhotoFile& file, const ReadPhotosOptions& options) {
   }
   result.digest = ContentDigest(*bytes);
   const std::string name = "photo-" + result.digest;
-  const std::string key = SiftKey(options.sift);
-  if (options.work != nullptr) {
-    if (const auto stored = options.work->Load(name, key)) {
-      result.photo = DecodeReadPhoto(*stored, options.work->PathOf(name));
+  const std::string key = ReadingKey(extractor);
+  if (work != nullptr) {
+    if (const auto stored = work->Load(name, key)) {
+      result.photo = DecodeReadPhoto(*stored, extractor.descriptor_dim(), work->PathOf(name));
       result.from_work = true;
       return result;
     }
   }
   try {
-    result.photo = ReadMappingPhoto(*bytes, options.sift);
+    result.photo = ReadMappingPhoto(*bytes, extractor);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kBadInput) {
       throw;
@@ -84,19 +85,20 @@ FileResult ReadOne(const PhotoFile& file, const ReadPhotosOptions& options) {
     result.reason = error.what();
     return result;
   }
-  if (options.work != nullptr) {
-    options.work->Store(name, key, EncodeReadPhoto(*result.photo));
+  if (work != nullptr) {
+    work->Store(name, key, EncodeReadPhoto(*result.photo));
   }
   return result;
 }
 
 std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
-                                const ReadPhotosOptions& options, const PhotosProgress& progress) {
+                                const FeatureExtractor& extractor, const ReadPhotosOptions& options,
+                                const PhotosProgress& progress) {
   std::vector<FileResult> results(files.size());
   std::mutex mutex;
   ReadShare share = {.num_photos = static_cast<int>(files.size())};
   ParallelFor(share.num_photos, options.num_threads, [&](int i) {
-    results[i] = ReadOne(files[i], options);
+    results[i] = ReadOne(files[i], extractor, options.work);
     const std::lock_guard<std::mutex> lock(mutex);
     ++share.num_read;
     share.num_keypoints += results[i].photo ? std::ssize(results[i].photo->keypoints) : 0;
@@ -180,18 +182,18 @@ MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult re
 
 }  // namespace
 
-PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
-                       const PhotosProgress& progress) {
-  options.sift.Validate();
+PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtractor& extractor,
+                       const ReadPhotosOptions& options, const PhotosProgress& progress) {
   const std::vector<PhotoFile> files = FindPhotoFiles(paths);
-  std::vector<FileResult> results = ReadAll(files, options, progress);
+  std::vector<FileResult> results = ReadAll(files, extractor, options, progress);
   PhotoFolder folder;
+  folder.set.descriptor_type = extractor.descriptor_type();
   LeaveOut(files, options.names_to_keep, &results, &folder.left_out);
   for (const MisnamedPhoto& misnamed : FindMisnamedPhotos(paths)) {
     folder.left_out.push_back({misnamed.name, misnamed.reason});
   }
   ContentHash hash;
-  hash.Add(BytesOf(SiftKey(options.sift)));
+  hash.Add(BytesOf(ReadingKey(extractor)));
   for (const Camera& camera : options.cameras) {
     hash.Add(BytesOf(fmt::format("{} {} {} {}", CameraModelName(camera.model()), camera.width_px(),
                                  camera.height_px(), fmt::join(camera.params(), " "))));

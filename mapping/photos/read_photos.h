@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/features/sift/sift_extractor.h"
+#include "core/features/feature_extractor.h"
 #include "mapping/photo_set.h"
 #include "mapping/work_folder.h"
 
@@ -18,7 +18,6 @@ namespace cairn {
 
 struct ReadPhotosOptions {
   std::vector<Camera> cameras = {};  // Known intrinsics; see GroupCameras.
-  SiftOptions sift = {};
   // Keeps features, so that a second run need not extract them; null: none. Not owned.
   const WorkFolder* work = nullptr;
   int num_threads = 1;                           // The result does not depend on it.
@@ -38,7 +37,7 @@ struct PhotoFolder {
   std::vector<std::optional<int>> orientation_of_photo;
   std::vector<LeftOutPhoto> left_out;
   std::vector<std::string> notes;  // For people.
-  // Names the content of all photos and the options: the same digest, the same set.
+  // Names the content of all photos, the extractor and the options: the same digest, the same set.
   std::string digest;
   // Photos whose EXIF states no hemisphere, and those whose position is void: ExifInfo.
   int num_without_hemisphere = 0, num_void_positions = 0;
@@ -52,8 +51,8 @@ using PhotosProgress = std::function<void(int done, int total)>;
 // the shortest name. `progress` is called by one thread at a time. Throws as FindPhotoFiles;
 // Error(kBadInput), with reasons, if no photo can be read, or if mapping them would take more
 // memory than there is; Error(kIo) if the work folder cannot be written.
-PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const ReadPhotosOptions& options,
-                       const PhotosProgress& progress = {});
+PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtractor& extractor,
+                       const ReadPhotosOptions& options, const PhotosProgress& progress = {});
 
 }  // namespace cairn
 

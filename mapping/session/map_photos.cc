@@ -97,9 +97,8 @@ class Mapper {
 
 void Mapper::Read() {
   StageClock clock("photos", &stages_);
-  folder_ = ReadPhotos(input_.paths,
+  folder_ = ReadPhotos(input_.paths, SiftExtractor(options_.sift),
                        {.cameras = input_.cameras,
-                        .sift = options_.sift,
                         .work = work_.get(),
                         .num_threads = input_.num_threads,
                         .available_bytes = AvailableMemoryBytes(),

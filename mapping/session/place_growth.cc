@@ -192,6 +192,7 @@ void Placement::FillDescriptors(const std::vector<int>& photo_of_image, Reconstr
     ByteDescriptorMatrix& descriptors = set_.photos[photo_of_image[i]].descriptors;
     model->images[i].features.descriptors = PackedDescriptors(std::move(descriptors));
   }
+  model->descriptor_type = set_.descriptor_type;
   model->Validate();
 }
 

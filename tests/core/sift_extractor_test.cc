@@ -219,6 +219,15 @@ TEST(ExtractSift, TakesImagesOfExtremeShape) {
   }
 }
 
+TEST(SiftExtractor, GivesTheFeaturesOfExtractSift) {
+  const GrayImage image = DrawBlobs(140, 140, {{40, 40, 4.0}, {90, 80, 6.0}});
+  const SiftOptions options = {.max_features = 2};
+  const FeatureSet features = SiftExtractor(options).Extract(image);
+  EXPECT_EQ(features.descriptors, ExtractSift(image, options).descriptors);
+  EXPECT_EQ(features.descriptors.cols(), SiftExtractor().descriptor_dim());
+  EXPECT_EQ(SiftExtractor(options).settings(), "2 3000000");
+}
+
 TEST(ExtractSift, RefusesNonsense) {
   EXPECT_THROW(ExtractSift(GrayImage{10, 10, std::vector<uint8_t>(99)}), Error);
   EXPECT_THROW(ExtractSift(GrayImage{}), Error);

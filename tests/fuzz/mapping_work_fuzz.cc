@@ -27,7 +27,7 @@ std::vector<uint8_t> DecodeAndEncode(uint8_t stage, std::span<const uint8_t> byt
   static const PhotoSet set = SetOfThree();
   switch (stage) {
     case 'F':
-      return EncodeReadPhoto(DecodeReadPhoto(bytes, "photo"));
+      return EncodeReadPhoto(DecodeReadPhoto(bytes, 128, "photo"));
     case 'P':
       return EncodePairs(DecodePairs(bytes, set, "pairs"));
     case 'V':

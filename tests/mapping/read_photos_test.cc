@@ -11,6 +11,8 @@
 #include <random>
 
 #include "core/error.h"
+#include "core/features/sift/sift_extractor.h"
+#include "core/keypoint_shape.h"
 #include "mapping/photos/photo_files.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
@@ -69,7 +71,7 @@ TEST(ReadPhotos, LeavesOutWhatItCannotUseWithAReason) {
   Write(dir.path() / "notes.txt", "no photo");
   Write(dir.path() / ".thumbs/a.pgm", Picture(5));
   fs::create_symlink("unplugged/d.jpg", dir.path() / "d.jpg");
-  const PhotoFolder folder = ReadPhotos({dir.path()}, {});
+  const PhotoFolder folder = ReadPhotos({dir.path()}, SiftExtractor(), {});
   ASSERT_EQ(folder.set.photos.size(), 2u);
   EXPECT_EQ(folder.set.photos[0].name, "a.pgm");
   EXPECT_EQ(folder.set.photos[1].name, "b/c.pgm");
@@ -89,13 +91,47 @@ TEST(ReadPhotos, KeepsTheCopyOfTheTableOrOfTheShortestName) {
   for (const char* name : {"05 (1).pgm", "05.pgm", "Copy of 05.pgm"}) {
     Write(dir.path() / name, Picture(1));
   }
-  const PhotoFolder folder = ReadPhotos({dir.path()}, {});
+  const PhotoFolder folder = ReadPhotos({dir.path()}, SiftExtractor(), {});
   ASSERT_EQ(folder.set.photos.size(), 1u);
   EXPECT_EQ(folder.set.photos[0].name, "05.pgm");
   EXPECT_EQ(ReasonFor(folder, "05 (1).pgm"), "is the same file as 05.pgm");
-  const PhotoFolder of_table = ReadPhotos({dir.path()}, {.names_to_keep = {"Copy of 05.pgm"}});
+  const PhotoFolder of_table =
+      ReadPhotos({dir.path()}, SiftExtractor(), {.names_to_keep = {"Copy of 05.pgm"}});
   EXPECT_EQ(of_table.set.photos.at(0).name, "Copy of 05.pgm");
   EXPECT_EQ(ReasonFor(of_table, "05.pgm"), "is the same file as Copy of 05.pgm");
+}
+
+// A keypoint every ten pixels, of unknown size and orientation, with a descriptor of two numbers.
+class GridExtractor final : public FeatureExtractor {
+ public:
+  std::string descriptor_type() const override { return "grid"; }
+  int descriptor_dim() const override { return 2; }
+  std::string settings() const override { return "10"; }
+  FeatureSet Extract(const GrayImage& image, const StopFunction&) const override {
+    FeatureSet features;
+    for (int i = 0; 10 * i < image.width_px; ++i) {
+      features.keypoints.push_back(KeypointWithoutShape(10.0f * i, 5.0f));
+    }
+    features.descriptors = DescriptorMatrix::Constant(features.size(), 2, 200.0f);
+    return features;
+  }
+};
+
+TEST(ReadPhotos, TakesFeaturesOfAnyExtractor) {
+  const testing::TempDir dir;
+  Write(dir.path() / "photos/a.pgm", Picture(1));
+  const WorkFolder work(dir.path() / "w");
+  const ReadPhotosOptions options = {.work = &work};
+  const PhotoFolder first = ReadPhotos({dir.path() / "photos"}, GridExtractor(), options);
+  const PhotoFolder second = ReadPhotos({dir.path() / "photos"}, GridExtractor(), options);
+  EXPECT_EQ(second.num_from_work, 1);
+  for (const PhotoFolder& folder : {first, second}) {
+    EXPECT_EQ(folder.set.descriptor_type, "grid");
+    EXPECT_EQ(folder.set.photos[0].keypoints.size(), 20u);
+    EXPECT_FALSE(HasScale(folder.set.photos[0].keypoints[3]));
+    EXPECT_TRUE(folder.set.photos[0].descriptors == ByteDescriptorMatrix::Constant(20, 2, 200));
+  }
+  EXPECT_EQ(ReadPhotos({dir.path() / "photos"}, SiftExtractor(), options).num_from_work, 0);
 }
 
 TEST(ReadPhotos, TakesFeaturesFromTheWorkFolder) {
@@ -104,8 +140,8 @@ TEST(ReadPhotos, TakesFeaturesFromTheWorkFolder) {
   const WorkFolder work(dir.path() / "w");
   ReadPhotosOptions options;
   options.work = &work;
-  const PhotoFolder first = ReadPhotos({dir.path() / "photos"}, options);
-  const PhotoFolder second = ReadPhotos({dir.path() / "photos"}, options);
+  const PhotoFolder first = ReadPhotos({dir.path() / "photos"}, SiftExtractor(), options);
+  const PhotoFolder second = ReadPhotos({dir.path() / "photos"}, SiftExtractor(), options);
   EXPECT_EQ(first.num_from_work, 0);
   EXPECT_EQ(second.num_from_work, 1);
   EXPECT_EQ(first.digest, second.digest);
@@ -114,8 +150,8 @@ TEST(ReadPhotos, TakesFeaturesFromTheWorkFolder) {
   ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
   EXPECT_EQ(a.keypoints.back().x_px, b.keypoints.back().x_px);
   EXPECT_TRUE(a.descriptors == b.descriptors);
-  options.sift.max_features = 30;
-  const PhotoFolder third = ReadPhotos({dir.path() / "photos"}, options);
+  const PhotoFolder third =
+      ReadPhotos({dir.path() / "photos"}, SiftExtractor({.max_features = 30}), options);
   EXPECT_EQ(third.num_from_work, 0);
   EXPECT_NE(third.digest, first.digest);
 }
@@ -125,8 +161,8 @@ TEST(ReadPhotos, IsTheSameOnAnyNumberOfThreads) {
   for (int i = 0; i < 6; ++i) {
     Write(dir.path() / (std::to_string(i) + ".pgm"), Picture(i + 1));
   }
-  const PhotoFolder one = ReadPhotos({dir.path()}, {});
-  const PhotoFolder four = ReadPhotos({dir.path()}, {.num_threads = 4});
+  const PhotoFolder one = ReadPhotos({dir.path()}, SiftExtractor(), {});
+  const PhotoFolder four = ReadPhotos({dir.path()}, SiftExtractor(), {.num_threads = 4});
   EXPECT_EQ(one.digest, four.digest);
   for (size_t i = 0; i < one.set.photos.size(); ++i) {
     EXPECT_EQ(one.set.photos[i].name, four.set.photos[i].name);
@@ -140,15 +176,16 @@ TEST(ReadPhotos, RefusesMorePhotosThanTheMemoryTakes) {
     Write(dir.path() / (std::to_string(i) + ".pgm"), Picture(i + 1));
   }
   int64_t num_keypoints = 0;
-  for (const MappingPhoto& photo : ReadPhotos({dir.path()}, {}).set.photos) {
+  for (const MappingPhoto& photo : ReadPhotos({dir.path()}, SiftExtractor(), {}).set.photos) {
     num_keypoints += std::ssize(photo.keypoints);
   }
   const auto needed_bytes = static_cast<uint64_t>(660 * num_keypoints);
   for (const int num_threads : {1, 3}) {
-    EXPECT_NO_THROW(
-        ReadPhotos({dir.path()}, {.num_threads = num_threads, .available_bytes = needed_bytes}));
+    EXPECT_NO_THROW(ReadPhotos({dir.path()}, SiftExtractor(),
+                               {.num_threads = num_threads, .available_bytes = needed_bytes}));
     try {
-      ReadPhotos({dir.path()}, {.num_threads = num_threads, .available_bytes = needed_bytes - 1});
+      ReadPhotos({dir.path()}, SiftExtractor(),
+                 {.num_threads = num_threads, .available_bytes = needed_bytes - 1});
       FAIL();
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kBadInput);
@@ -162,7 +199,7 @@ TEST(ReadPhotos, RefusesAFolderWithoutAPhotoThatItCanRead) {
   const testing::TempDir dir;
   Write(dir.path() / "a.jpg", "not a photo");
   try {
-    ReadPhotos({dir.path()}, {});
+    ReadPhotos({dir.path()}, SiftExtractor(), {});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBadInput);
@@ -174,7 +211,7 @@ TEST(ReadPhotos, TakesThePositionsOfExif) {
   CAIRN_SKIP_WITHOUT_DATA("street_berlin3/images/01.jpg");
   const PhotoFolder folder =
       ReadPhotos({(testing::TestDataDir() / "street_berlin3/images").string()},
-                 {.sift = {.max_features = 100, .max_pixels = 100'000}});
+                 SiftExtractor({.max_features = 100, .max_pixels = 100'000}), {});
   ASSERT_EQ(folder.set.photos.size(), 3u);
   ASSERT_TRUE(folder.set.photos[0].gps);
   EXPECT_NEAR(folder.set.photos[0].gps->lat_deg(), 52.5, 0.1);
@@ -215,7 +252,7 @@ TEST(FindMisnamedPhotos, NamesPhotosOfOtherEndings) {
   EXPECT_EQ(misnamed[1].name, "6.picture");
   EXPECT_NE(misnamed[1].reason.find("ends in .png"), std::string::npos);
   EXPECT_EQ(misnamed[2].name, "b/2.jpg.tmp");
-  EXPECT_EQ(ReasonFor(ReadPhotos({dir.path()}, {}), "1"), misnamed[0].reason);
+  EXPECT_EQ(ReasonFor(ReadPhotos({dir.path()}, SiftExtractor(), {}), "1"), misnamed[0].reason);
 }
 
 TEST(FindPhotoFiles, SkipsThumbnailsOfNetworkDisks) {

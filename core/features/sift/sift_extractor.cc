@@ -1,5 +1,8 @@
 #include "core/features/sift/sift_extractor.h"
 
+#include <fmt/format.h>
+
+#include "core/features/sift/sift_descriptor.h"
 #include "core/features/sift/sift_search.h"
 #include "core/require.h"
 
@@ -17,6 +20,12 @@ FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options,
     search.AddNextOctave(&features);
   }
   return features;
+}
+
+int SiftExtractor::descriptor_dim() const { return kSiftDim; }
+
+std::string SiftExtractor::settings() const {
+  return fmt::format("{} {}", options_.max_features, options_.max_pixels);
 }
 
 }  // namespace cairn

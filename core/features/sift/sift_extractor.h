@@ -3,8 +3,10 @@
 #define CAIRN_CORE_FEATURES_SIFT_SIFT_EXTRACTOR_H_
 
 #include <cstdint>
+#include <string>
 
 #include "core/features.h"
+#include "core/features/feature_extractor.h"
 #include "core/images/gray_image.h"
 #include "core/stop_function.h"
 
@@ -38,6 +40,22 @@ struct SiftOptions {
 // Error(kBadInput) if the image's size does not match the number of its pixels.
 FeatureSet ExtractSift(const GrayImage& image, const SiftOptions& options = {},
                        const StopFunction& should_stop = {});
+
+// ExtractSift as a FeatureExtractor.
+class SiftExtractor final : public FeatureExtractor {
+ public:
+  explicit SiftExtractor(const SiftOptions& options = {}) : options_(options) {}
+
+  std::string descriptor_type() const override { return "sift"; }
+  int descriptor_dim() const override;
+  std::string settings() const override;
+  FeatureSet Extract(const GrayImage& image, const StopFunction& should_stop = {}) const override {
+    return ExtractSift(image, options_, should_stop);
+  }
+
+ private:
+  SiftOptions options_;
+};
 
 }  // namespace cairn
 
