@@ -89,13 +89,25 @@ HttpResponse GeoPoseResponse(const LocalizeService::Answer& answer, const std::s
 }  // namespace
 
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
-  const LocalizeService::Answer answer = service->Localize(request, ParseLocalizeRequest);
+  LocalizeService::Visit visit = service->Receive(request);
+  const LocalizeService::Answer answer =
+      visit.is_late()
+          ? service->AnswerLate(visit)
+          : service->Localize(std::move(visit),
+                              ParseLocalizeRequest(request.Header("content-type"), request.body,
+                                                   service->request_limits()));
   return WithHeaders(LocalizeResponse(answer, request.Header("accept")), answer.result,
                      answer.request.query);
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
-  const LocalizeService::Answer answer = service->Localize(request, ParseGeoPoseRequest);
+  LocalizeService::Visit visit = service->Receive(request);
+  const LocalizeService::Answer answer =
+      visit.is_late()
+          ? service->AnswerLate(visit)
+          : service->Localize(std::move(visit),
+                              ParseGeoPoseRequest(request.Header("content-type"), request.body,
+                                                  service->request_limits()));
   return WithHeaders(GeoPoseResponse(answer, request.Header("accept")), answer.result,
                      answer.request.query);
 }

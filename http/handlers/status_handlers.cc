@@ -15,9 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Returns the latest version of the map. Throws HttpError kUnavailable if the map cannot be read.
-MapVersion RequireReadableMap(const ServedMap& map) {
+MapSnapshot RequireReadableMap(const ServedMap& map) {
   try {
-    return map.store().Snapshot().version();
+    return map.store().Snapshot();
   } catch (const Error& e) {
     LogError("the map cannot be read: {}", e.what());
     throw HttpError(ProblemCode::kUnavailable, "the map cannot be read; see the server's log");
@@ -39,9 +39,9 @@ std::optional<ServerState::Head> HeadOf(const ServedMap& map, LocalizeService* s
 }
 
 // Returns the reason why answers may be out of date, or an empty text.
-std::string ProblemOf(const LocalizeService& service, const ServedMap& map) {
+std::string ProblemOf(const LocalizeService& service, const MapSnapshot& snapshot) {
   const std::string problem = service.maps().Problem();
-  return problem.empty() && map.store().Snapshot().is_stale()
+  return problem.empty() && snapshot.is_stale()
              ? "PostgreSQL is silent; answers come from the caches of the server"
              : problem;
 }
@@ -68,12 +68,12 @@ HttpResponse HandleReady(const LocalizeService& service) {
 
 HttpResponse HandleHealth(const LocalizeService& service) {
   const std::shared_ptr<const ServedMap> map = service.map();
-  const MapVersion version = RequireReadableMap(*map);
+  const MapSnapshot snapshot = RequireReadableMap(*map);
   const CacheStats cache = map->localizer->cache()->Stats();
-  const std::string problem = ProblemOf(service, *map);
+  const std::string problem = ProblemOf(service, snapshot);
   Json json = {
       {"status", problem.empty() ? "ok" : "degraded"},
-      {"map", {{"version", Value(version)}, {"created", map->created_at}}},
+      {"map", {{"version", Value(snapshot.version())}, {"created", map->created_at}}},
       {"cache",
        {{"tiles", cache.num_entries}, {"bytes", cache.bytes}, {"maxBytes", cache.max_bytes}}}};
   if (!problem.empty()) {

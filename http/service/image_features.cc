@@ -105,33 +105,40 @@ void ThrowIfStopped(const ImageDecodeLimits& limits) {
   }
 }
 
-FeatureSet Extract(const Picture& picture, const ImageDecodeLimits& limits,
-                   const FeatureExtractor& extractor, ServerTimes* times) {
+// Adds the features of the picture and the times of the steps. Throws DecodingStopped.
+void AddFeatures(const Picture& picture, const FeatureExtractor& extractor,
+                 const ImageDecodeLimits& limits, ImageFeatures* result) {
   ThrowIfStopped(limits);
   const auto start = std::chrono::steady_clock::now();
   const GrayImage image = Decode(picture, limits);
-  times->decode_seconds += SecondsSince(start);
+  result->times.decode_seconds += SecondsSince(start);
   ThrowIfStopped(limits);
   const auto extraction_start = std::chrono::steady_clock::now();
   FeatureSet features = extractor.Extract(image, limits.should_stop);
   ThrowIfStopped(limits);
-  times->extract_seconds += SecondsSince(extraction_start);
-  return features;
+  result->times.extract_seconds += SecondsSince(extraction_start);
+  result->of_image.push_back(std::move(features));
 }
 
 }  // namespace
 
-void ExtractQueryFeatures(const ImageDecodeLimits& limits, const FeatureExtractor& extractor,
-                          LocalizeRequest* request, ServerTimes* times) {
-  LocalizeQuery& query = request->query;
-  const std::vector<RequestImage>& images = request->images;
+ImageFeatures ExtractImageFeatures(const LocalizeRequest& request,
+                                   const FeatureExtractor& extractor,
+                                   const ImageDecodeLimits& limits) {
+  const LocalizeQuery& query = request.query;
+  const std::vector<RequestImage>& images = request.images;
   CAIRN_CHECK(images.size() == 1 + query.other_cameras.size(), "every camera has an image");
-  query.features = Extract({images[0], query.camera, ""}, limits, extractor, times);
-  for (size_t i = 0; i < query.other_cameras.size(); ++i) {
-    RigCamera& other = query.other_cameras[i];
-    other.features =
-        Extract({images[i + 1], other.camera, fmt::format("/rig/{}", i)}, limits, extractor, times);
+  ImageFeatures result;
+  try {
+    AddFeatures({images[0], query.camera, ""}, extractor, limits, &result);
+    for (size_t i = 0; i < query.other_cameras.size(); ++i) {
+      AddFeatures({images[i + 1], query.other_cameras[i].camera, fmt::format("/rig/{}", i)},
+                  extractor, limits, &result);
+    }
+  } catch (const DecodingStopped&) {
+    result.was_stopped = true;
   }
+  return result;
 }
 
 }  // namespace cairn

@@ -2,6 +2,8 @@
 #ifndef CAIRN_HTTP_SERVICE_IMAGE_FEATURES_H_
 #define CAIRN_HTTP_SERVICE_IMAGE_FEATURES_H_
 
+#include <vector>
+
 #include "core/features.h"
 #include "core/features/feature_extractor.h"
 #include "core/images/gray_image.h"
@@ -10,15 +12,23 @@
 
 namespace cairn {
 
-// Decodes the request's images, turns them as their `orientation` states, and stores the
-// features of each camera in the query. The content of an image identifies JPEG, PNG and PNM; the
-// name of the format identifies GRAY8 and RGBA32. Adds to `times`. Throws
+struct ImageFeatures {
+  // Of the query's camera and of the other cameras of its rig, as LocalizeRequest::images. Fewer if
+  // the work was stopped.
+  std::vector<FeatureSet> of_image;
+  ServerTimes times;  // Of the steps that were completed.
+  bool was_stopped = false;
+};
+
+// Decodes the request's images, turns them as their `orientation` states, and extracts the features
+// of each. The content of an image identifies JPEG, PNG and PNM; the name of the format identifies
+// GRAY8 and RGBA32. Stops once `limits.should_stop` returns true, which is called while an image is
+// decoded and while its features are extracted. Throws
 // - HttpError kInvalidImage if an image does not decode or does not have the size of its camera,
-// - HttpError kImageTooLarge, before decoding, if an image has more pixels than `limits` allow,
-// - DecodingStopped once `limits.should_stop` returns true. `should_stop` is called while an image
-//   is decoded and while its features are extracted.
-void ExtractQueryFeatures(const ImageDecodeLimits& limits, const FeatureExtractor& extractor,
-                          LocalizeRequest* request, ServerTimes* times);
+// - HttpError kImageTooLarge, before decoding, if an image has more pixels than `limits` allow.
+ImageFeatures ExtractImageFeatures(const LocalizeRequest& request,
+                                   const FeatureExtractor& extractor,
+                                   const ImageDecodeLimits& limits);
 
 }  // namespace cairn
 

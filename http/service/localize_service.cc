@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "core/parallel_for.h"
 #include "core/wire/problem.h"
 #include "engine/empty_result.h"
 #include "http/json/request_photos.h"
-#include "http/service/image_features.h"
 #include "storage/map/read_latest.h"
 
 namespace cairn {
@@ -29,11 +30,6 @@ int MaxWaiting(const ServerOptions& options) {
   const int num_threads = NumThreads(options);
   const int num_entered = 2 * NumCores();  // At most, see fair_gate.h.
   return std::max(1, std::min(num_threads * 3 / 4, num_threads - num_entered - num_threads / 8));
-}
-
-[[noreturn]] void RefuseForLackOfTurns() {
-  throw HttpError(ProblemCode::kUnavailable, "too many requests are waiting for their turn")
-      .Hint("wait for the answers to earlier requests before you send more");
 }
 
 // Throws unless the features fit the map's codebook.
@@ -68,8 +64,12 @@ void CheckCodec(const MapSnapshot& map, const LocalizeQuery& query) {
   }
 }
 
-LocalizeResult LateAnswer(const ServedMap& map, const LocalizeQuery& query) {
-  return LateResult(query, map.localizer->options(), map.store().Snapshot());
+// Gives each camera of the query its features.
+void GiveFeatures(std::vector<FeatureSet> of_image, LocalizeQuery* query) {
+  query->features = std::move(of_image.front());
+  for (size_t i = 0; i < query->other_cameras.size(); ++i) {
+    query->other_cameras[i].features = std::move(of_image[i + 1]);
+  }
 }
 
 }  // namespace
@@ -82,92 +82,108 @@ LocalizeService::LocalizeService(const ServerOptions& options)
              .localizer = MakeLocalizerOptions(options)}),
       gate_({.num_slots = NumCores(), .max_waiting = MaxWaiting(options)}) {}
 
-LocalizeRequest LocalizeService::Read(const ServedMap& map, const HttpRequest& http,
-                                      BodyParser& parse) const {
-  LocalizeRequest request = parse(http.Header("content-type"), http.body, request_limits());
-  request.timeout_ms = std::min(request.timeout_ms, options_.max_timeout_ms);
-  request.query.deadline = http.arrival + milliseconds(request.timeout_ms);
-  if (!request.has_images()) {  // Refuse it before it waits for its turn.
-    CheckCodec(map.store().Snapshot(), request.query);
+std::unique_ptr<FairGate::Turn> LocalizeService::TakeTurn(FairGate::ClientId client,
+                                                          TimePoint deadline) {
+  auto turn = std::make_unique<FairGate::Turn>(&gate_, client, deadline);
+  if (turn->outcome() == FairGate::Outcome::kRefused) {
+    throw HttpError(ProblemCode::kUnavailable, "too many requests are waiting for their turn")
+        .Hint("wait for the answers to earlier requests before you send more");
   }
-  return request;
-}
-
-bool LocalizeService::ExtractInTime(FairGate::Turn* turn, LocalizeRequest* request,
-                                    ServerTimes* times) const {
-  const auto deadline = *request->query.deadline;
-  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&, turn] {
-                                   if (!stopping_) {
-                                     turn->MakeRoom();
-                                   }
-                                   return stopping_ || std::chrono::steady_clock::now() >= deadline;
-                                 }};
-  try {
-    ExtractQueryFeatures(limits, extractor_, request, times);
-    return true;
-  } catch (const DecodingStopped&) {
-    if (stopping_) {
-      throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
-    }
-    return false;
-  }
+  return turn;
 }
 
 std::unique_ptr<FairGate::Turn> LocalizeService::WaitForTurn(const HttpRequest& http) {
-  auto turn = std::make_unique<FairGate::Turn>(
-      &gate_, http.client, http.arrival + milliseconds(options_.default_timeout_ms));
-  if (turn->outcome() == FairGate::Outcome::kRefused) {
-    RefuseForLackOfTurns();
-  }
+  auto turn = TakeTurn(http.client, http.arrival + milliseconds(options_.default_timeout_ms));
   if (turn->outcome() == FairGate::Outcome::kLate) {
     throw HttpError(ProblemCode::kUnavailable, "the turn of the request did not come in time");
   }
   return turn;
 }
 
+ImageFeatures LocalizeService::ExtractInTime(const LocalizeRequest& request,
+                                             FairGate::Turn* turn) const {
+  const auto deadline = *request.query.deadline;
+  const ImageDecodeLimits limits{.max_pixels = options_.max_image_pixels, .should_stop = [&, turn] {
+                                   if (!stopping_) {
+                                     turn->MakeRoom();
+                                   }
+                                   return stopping_ || std::chrono::steady_clock::now() >= deadline;
+                                 }};
+  ImageFeatures features = ExtractImageFeatures(request, extractor_, limits);
+  if (features.was_stopped && stopping_) {
+    throw HttpError(ProblemCode::kUnavailable, "the server is stopping");
+  }
+  return features;
+}
+
+LocalizeService::Visit LocalizeService::Receive(const HttpRequest& http) {
+  Visit visit;
+  visit.map_ = maps_.Current();
+  visit.client_ = http.client;
+  visit.arrival_ = http.arrival;
+  if (TakesLongToParse(http.Header("content-type"), http.body)) {
+    const int timeout_ms =
+        std::min(PeekTimeoutMs(http.body, request_limits()), options_.max_timeout_ms);
+    visit.turn_ = TakeTurn(http.client, http.arrival + milliseconds(timeout_ms));
+  }
+  return visit;
+}
+
 // A request has one turn. During the turn its body is parsed (if that takes long), its photos' EXIF
 // is read, its image becomes features, and the features become an answer.
-LocalizeService::Answer LocalizeService::AnswerInTurn(const ServedMap& map, const HttpRequest& http,
-                                                      BodyParser& parse) {
-  Answer answer;
-  LocalizeRequest& request = answer.request;
-  const bool reads_in_turn = TakesLongToParse(http.Header("content-type"), http.body);
-  if (!reads_in_turn) {
-    request = Read(map, http, parse);
+LocalizeService::Answer LocalizeService::Compute(Visit visit, LocalizeRequest request) {
+  request.timeout_ms = std::min(request.timeout_ms, options_.max_timeout_ms);
+  const TimePoint deadline = visit.arrival_ + milliseconds(request.timeout_ms);
+  request.query.deadline = deadline;
+  const Localizer& localizer = *visit.map_->localizer;
+  const MapSnapshot version = localizer.map().Snapshot(deadline);
+  if (!request.has_images()) {  // Refuse it before it waits for its turn.
+    CheckCodec(version, request.query);
   }
-  const int timeout_ms =
-      reads_in_turn ? std::min(PeekTimeoutMs(http.body, request_limits()), options_.max_timeout_ms)
-                    : request.timeout_ms;
-  FairGate::Turn turn(&gate_, http.client, http.arrival + milliseconds(timeout_ms));
-  if (turn.outcome() == FairGate::Outcome::kRefused) {
-    RefuseForLackOfTurns();
+  if (visit.turn_ == nullptr) {
+    visit.turn_ = TakeTurn(visit.client_, deadline);
   }
-  if (turn.outcome() == FairGate::Outcome::kLate) {
-    answer.result = LateAnswer(map, request.query);
-    return answer;
-  }
-  if (reads_in_turn) {
-    request = Read(map, http, parse);
-  }
-  if (request.has_images()) {
+  ServerTimes times;
+  bool in_time = !visit.is_late();
+  if (in_time && request.has_images()) {
     ReadPhotos(options_.exif_prior, &request);
-    if (!ExtractInTime(&turn, &request, &answer.times)) {
-      answer.result = LateAnswer(map, request.query);
-      return answer;
+    ImageFeatures features = ExtractInTime(request, visit.turn_.get());
+    times = features.times;
+    in_time = !features.was_stopped;
+    if (in_time) {
+      GiveFeatures(std::move(features.of_image), &request.query);
     }
   }
-  answer.result = ReadLatest(map.store(), request.query.deadline, [&](const MapSnapshot& version) {
-    CheckCodec(version, request.query);
-    return map.localizer->LocalizeIn(version, request.query);
-  });
+  if (!in_time) {
+    LocalizeResult late = LateResult(request.query, localizer.options(), version);
+    return {std::move(request), std::move(late), times};
+  }
+  LocalizeResult result =
+      ReadLatest(localizer.map(), version, deadline, [&](const MapSnapshot& readable) {
+        CheckCodec(readable, request.query);
+        return localizer.LocalizeIn(readable, request.query);
+      });
+  return {std::move(request), std::move(result), times};
+}
+
+void LocalizeService::Count(const Answer& answer) {
+  const bool is_stale = answer.result.map_is_stale || !maps_.Problem().empty();
+  metrics_.CountLocalize(answer.result, answer.times, is_stale);
+}
+
+LocalizeService::Answer LocalizeService::AnswerLate(const Visit& visit) {
+  const Localizer& localizer = *visit.map_->localizer;
+  Answer answer = {
+      .request = {},
+      .result = LateResult(LocalizeQuery(), localizer.options(), localizer.map().Snapshot()),
+      .times = {}};
+  Count(answer);
   return answer;
 }
 
-LocalizeService::Answer LocalizeService::Localize(const HttpRequest& http, BodyParser& parse) {
-  const std::shared_ptr<const ServedMap> map = maps_.Current();
-  Answer answer = AnswerInTurn(*map, http, parse);
-  const bool is_stale = answer.result.map_is_stale || !maps_.Problem().empty();
-  metrics_.CountLocalize(answer.result, answer.times, is_stale);
+LocalizeService::Answer LocalizeService::Localize(Visit visit, LocalizeRequest request) {
+  Answer answer = Compute(std::move(visit), std::move(request));
+  Count(answer);
   return answer;
 }
 

@@ -13,6 +13,7 @@
 #include "http/json/localize_response.h"
 #include "http/net/message.h"
 #include "http/service/fair_gate.h"
+#include "http/service/image_features.h"
 #include "http/service/metrics.h"
 #include "http/service/publication_time.h"
 #include "http/service/served_map.h"
@@ -24,9 +25,26 @@ namespace cairn {
 class LocalizeService {
  public:
   struct Answer {
-    LocalizeRequest request;  // Without what no parser has read because the turn did not come.
+    LocalizeRequest request;  // Empty if the body was not parsed because the turn did not come.
     LocalizeResult result;
     ServerTimes times;
+  };
+
+  // A query from its arrival to its answer.
+  class Visit {
+   public:
+    // True if the turn did not come in time. Its answer is AnswerLate's; the body need not be
+    // parsed.
+    bool is_late() const {
+      return turn_ != nullptr && turn_->outcome() == FairGate::Outcome::kLate;
+    }
+
+   private:
+    friend class LocalizeService;
+    std::shared_ptr<const ServedMap> map_;  // From the beginning to the end.
+    FairGate::ClientId client_ = 0;
+    std::chrono::steady_clock::time_point arrival_;
+    std::unique_ptr<FairGate::Turn> turn_;  // Null until it has waited for its turn.
   };
 
   // Opens the map; throws as MapStore::Open.
@@ -37,22 +55,25 @@ class LocalizeService {
             .default_timeout_ms = options_.default_timeout_ms};
   }
   const ServerOptions& options() const { return options_; }
-  // A request keeps one map from its beginning to its end.
   std::shared_ptr<const ServedMap> map() const { return maps_.Current(); }
   ServedMaps& maps() { return maps_; }
   const ServedMaps& maps() const { return maps_; }
   Metrics& metrics() { return metrics_; }
   const Metrics& metrics() const { return metrics_; }
 
-  // Answers one request: reads the body with `parse`, sets the query's deadline (the
-  // client's timeout counts from the end of the upload), waits for its turn if there are more
-  // requests than cores, extracts features if there is an image, checks that the features have the
-  // map's codec, and localizes. Returns kTimeout if the turn does not come in time. A body
-  // that TakesLongToParse is parsed during the turn; if the turn does not come, the body is not
-  // parsed. The codec is checked in the version of the map that answers. Throws as `parse` and as
-  // Localizer::Localize; throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and
+  // A query is answered in three steps: Receive; the caller parses the body; Localize. A body that
+  // TakesLongToParse waits for its turn here, other queries wait in Localize. Throws HttpError
   // kUnavailable if too many requests wait.
-  Answer Localize(const HttpRequest& http, BodyParser& parse);
+  Visit Receive(const HttpRequest& http);
+  // The answer to a visit that is late: kTimeout.
+  Answer AnswerLate(const Visit& visit);
+  // Sets the query's deadline (the client's timeout counts from the end of the upload), waits for
+  // the turn if there are more requests than cores, extracts features if there is an image, checks
+  // that the features have the map's codec, and localizes, all in one version of the map; in a
+  // second one if that is pruned meanwhile. Returns kTimeout if the turn does not come in time.
+  // Throws as Localizer::Localize; throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and
+  // kUnavailable if too many requests wait.
+  Answer Localize(Visit visit, LocalizeRequest request);
 
   // Waits for the turn of a request that is no query but takes as much time: lists and payloads.
   // Throws HttpError kUnavailable if too many requests wait, or if the turn does not come within
@@ -71,13 +92,15 @@ class LocalizeService {
   void BeginStop() { stopping_ = true; }
 
  private:
-  // Stores the features of the query's images in the query. Makes room for other turns meanwhile.
-  // Returns false if the deadline passes first. Throws HttpError kUnavailable if BeginStop was
-  // called.
-  bool ExtractInTime(FairGate::Turn* turn, LocalizeRequest* request, ServerTimes* times) const;
-  // Parses the body. Throws unless the features have the map's codec.
-  LocalizeRequest Read(const ServedMap& map, const HttpRequest& http, BodyParser& parse) const;
-  Answer AnswerInTurn(const ServedMap& map, const HttpRequest& http, BodyParser& parse);
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  // Waits for a turn, or until the deadline. Throws HttpError kUnavailable if too many wait.
+  std::unique_ptr<FairGate::Turn> TakeTurn(FairGate::ClientId client, TimePoint deadline);
+  // The features of the query's images. Makes room for other turns meanwhile. Stops at the
+  // deadline. Throws HttpError kUnavailable if BeginStop was called.
+  ImageFeatures ExtractInTime(const LocalizeRequest& request, FairGate::Turn* turn) const;
+  Answer Compute(Visit visit, LocalizeRequest request);
+  void Count(const Answer& answer);
 
   const ServerOptions options_;
   const SiftExtractor extractor_;  // Of the images of requests.

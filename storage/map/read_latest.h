@@ -7,13 +7,13 @@
 
 namespace cairn {
 
-// Calls `read` with a snapshot of the latest version and returns its result. If that version is
-// pruned meanwhile, calls `read` once more, with the version that is the latest then. Throws what
-// `read` throws; Error(kUnavailable) if the second version is pruned, too, or if the map's server
-// does not answer by the deadline.
+// Calls `read` with `snapshot` and returns its result. If its version is pruned meanwhile, calls
+// `read` once more, with the version that is the latest then. Throws what `read` throws;
+// Error(kUnavailable) if the second version is pruned, too, or if the map's server does not answer
+// by the deadline.
 template <typename Read>
-auto ReadLatest(const MapStore& store, ReadDeadline deadline, const Read& read) {
-  const MapSnapshot snapshot = store.Snapshot(deadline);
+auto ReadLatest(const MapStore& store, const MapSnapshot& snapshot, ReadDeadline deadline,
+                const Read& read) {
   try {
     return read(snapshot);
   } catch (const Error& error) {
@@ -26,6 +26,12 @@ auto ReadLatest(const MapStore& store, ReadDeadline deadline, const Read& read) 
     }
     return read(latest);
   }
+}
+
+// As above, with a snapshot of the latest version.
+template <typename Read>
+auto ReadLatest(const MapStore& store, ReadDeadline deadline, const Read& read) {
+  return ReadLatest(store, store.Snapshot(deadline), deadline, read);
 }
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/parallel_for.h"
@@ -26,6 +27,15 @@ class HttpLocalizeService : public testing::ServerFixture {
     request.body = body;
     request.arrival = std::chrono::steady_clock::now();
     return request;
+  }
+  // As the handlers do it.
+  static LocalizeService::Answer Localize(LocalizeService* service, const HttpRequest& http,
+                                          BodyParser& parse) {
+    LocalizeService::Visit visit = service->Receive(http);
+    return visit.is_late()
+               ? service->AnswerLate(visit)
+               : service->Localize(std::move(visit), parse(http.Header("content-type"), http.body,
+                                                           service->request_limits()));
   }
   static std::string LongBody(const std::string& options) {
     return "{\"options\":" + options + std::string(size_t{80} << 10, ' ') + "}";
@@ -61,7 +71,7 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   std::vector<std::thread> threads;
   for (int i = 0; i < num_cores; ++i) {
     threads.emplace_back([&] {
-      EXPECT_THROW(service.Localize(Request(LongBody("{}")), ParseWhenAllowed), HttpError);
+      EXPECT_THROW(Localize(&service, Request(LongBody("{}")), ParseWhenAllowed), HttpError);
     });
   }
   {
@@ -69,11 +79,11 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
     parsing.changed.wait(lock, [&] { return parsing.num_waiting == num_cores; });
   }
   const HttpRequest late = Request(LongBody("{\"timeoutMs\":1}"));
-  const LocalizeService::Answer answer = service.Localize(late, CountAndRefuse);
+  const LocalizeService::Answer answer = Localize(&service, late, CountAndRefuse);
   EXPECT_FALSE(answer.result.localized);
   EXPECT_EQ(answer.result.reason, NotLocalizedReason::kTimeout);
   EXPECT_EQ(num_parsed, 0);
-  EXPECT_THROW(service.Localize(Request("{}"), CountAndRefuse), HttpError);
+  EXPECT_THROW(Localize(&service, Request("{}"), CountAndRefuse), HttpError);
   EXPECT_EQ(num_parsed, 1);  // Short JSON is refused without waiting.
   {
     const std::lock_guard<std::mutex> lock(parsing.mutex);
@@ -83,7 +93,7 @@ TEST_F(HttpLocalizeService, LongJsonIsParsedInItsTurnOrNotAtAll) {
   for (std::thread& thread : threads) {
     thread.join();
   }
-  EXPECT_THROW(service.Localize(late, CountAndRefuse), HttpError);  // The turns are free.
+  EXPECT_THROW(Localize(&service, late, CountAndRefuse), HttpError);  // The turns are free.
 }
 
 TEST_F(HttpLocalizeService, TooManyWaitingRequestsAreRefused) {
@@ -101,7 +111,7 @@ TEST_F(HttpLocalizeService, TooManyWaitingRequestsAreRefused) {
   for (const bool is_query : {true, false}) {
     try {
       if (is_query) {
-        service.Localize(Request(LongBody("{}")), CountAndRefuse);
+        Localize(&service, Request(LongBody("{}")), CountAndRefuse);
       } else {
         service.WaitForTurn(Request(""));
       }
@@ -126,7 +136,7 @@ TEST_F(HttpLocalizeService, TheOperatorLimitsTheTimeOfAQuery) {
   LocalizeService service(options);
   HttpRequest request = Request(kWithImage);  // Asks for 1,000 ms.
   request.arrival -= std::chrono::milliseconds(501);
-  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest).result.reason,
+  EXPECT_EQ(Localize(&service, request, ParseLocalizeRequest).result.reason,
             NotLocalizedReason::kTimeout);
 }
 
@@ -134,17 +144,17 @@ TEST_F(HttpLocalizeService, ImagesAreNotDecodedAfterTheDeadline) {
   LocalizeService service(Options());
   HttpRequest request = Request(kWithImage);
   request.arrival -= std::chrono::milliseconds(1001);
-  EXPECT_EQ(service.Localize(request, ParseLocalizeRequest).result.reason,
+  EXPECT_EQ(Localize(&service, request, ParseLocalizeRequest).result.reason,
             NotLocalizedReason::kTimeout);
 }
 
 TEST_F(HttpLocalizeService, ImagesAreNotDecodedWhenTheServerStops) {
   LocalizeService service(Options());
-  EXPECT_EQ(service.Localize(Request(kWithImage), ParseLocalizeRequest).result.reason,
+  EXPECT_EQ(Localize(&service, Request(kWithImage), ParseLocalizeRequest).result.reason,
             NotLocalizedReason::kTooFewFeatures);
   service.BeginStop();
   try {
-    service.Localize(Request(kWithImage), ParseLocalizeRequest);
+    Localize(&service, Request(kWithImage), ParseLocalizeRequest);
     FAIL();
   } catch (const HttpError& e) {
     EXPECT_EQ(e.problem(), ProblemCode::kUnavailable);
