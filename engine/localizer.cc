@@ -75,28 +75,28 @@ struct RankedPlaces {
   bool is_complete = true;  // The deadline left out no place.
 };
 
-void NoteTiles(const FetchedTiles& fetched, LocalizeResult* result) {
-  result->tiles = IdsOf(fetched.views);
-  StageCounters& counters = result->counters;
+StageCounters WithTiles(StageCounters counters, const FetchedTiles& fetched) {
   counters.num_tiles_found = fetched.num_found;
   counters.num_tiles_searched = std::ssize(fetched.views);
   counters.num_tiles_loaded = fetched.num_loaded;
   counters.num_descriptors = fetched.num_descriptors;
   counters.tile_limit_hit = fetched.limit_hit;
   counters.tiles_cut_short = !fetched.is_complete;
+  return counters;
 }
 
-// Picks the winner, refines it in the context in which it was found, and fills the result.
-void Conclude(const LocalizeQuery& query, const Search& search, const LocalizerOptions& options,
-              LocalizeResult* result) {
-  if (!search.hypotheses().empty()) {
-    const auto refine = [&](const PoseHypothesis& winner) {
-      return RefineWinner(search.ContextOf(winner), query, search.tiles(), search.hypotheses(),
-                          winner, options.pose, options.refinement.good_evidence);
-    };
-    ConcludeAnswer(search.context(), search.tiles(), search.hypotheses().all(), options.answer,
-                   refine, result);
+// Picks the winner and refines it in the context in which it was found. Returns `result` with it.
+LocalizeResult Conclude(const LocalizeQuery& query, const Search& search,
+                        const LocalizerOptions& options, LocalizeResult result) {
+  if (search.hypotheses().empty()) {
+    return result;
   }
+  const auto refine = [&](const PoseHypothesis& winner) {
+    return RefineWinner(search.ContextOf(winner), query, search.tiles(), search.hypotheses(),
+                        winner, options.pose, options.refinement.good_evidence);
+  };
+  return ConcludeAnswer(search.context(), search.tiles(), search.hypotheses().all(), options.answer,
+                        refine, std::move(result));
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ PlaceResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const Vers
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   const QueryBudget budget{&workers, query.deadline};
   LocalizeResult result = EmptyResult(query, version.snapshot);
-  StageRunner stages(budget, &result);
+  StageRunner stages(budget);
   std::optional<QueryContext> context;
   stages.Run(Stage::kPrior, [&] {
     context = MakeContext(query, version.tiles.CurrentCodebook(),
@@ -150,17 +150,22 @@ PlaceResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const Vers
                          budget.StopAfter(options.tiles.deadline_share));
     return fetched.views.empty() ? Reason::kNoCoverage : Reason::kNone;
   });
-  NoteTiles(fetched, &result);
+  result.tiles = IdsOf(fetched.views);
+  result.counters = WithTiles(result.counters, fetched);
   bool is_complete = fetched.is_complete;
   if (!fetched.is_complete) {
     finisher.Add(fetched.region);
   }
   if (stages.is_running()) {
     Search search(options, budget, WithRegion(*std::move(context), fetched.region),
-                  std::move(fetched.views), &result.counters);
+                  std::move(fetched.views));
     search.Run(query, &stages);
     is_complete &= search.is_complete();
-    Conclude(query, search, options, &result);
+    result.counters = search.AddTo(result.counters);
+    result.reason = stages.reason();
+    result = Conclude(query, search, options, std::move(result));
+  } else {
+    result.reason = stages.reason();
   }
   if (FoundTooLittleInTime(result, is_complete, budget)) {
     result.reason = Reason::kTimeout;
@@ -168,6 +173,7 @@ PlaceResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const Vers
   if (!result.localized) {
     result.reason_text = ExplainMiss(query, result, options, version.snapshot);
   }
+  result.times = stages.times();
   result.times.total_seconds = SecondsSince(start);
   return {std::move(result), fetched.is_complete};
 }
@@ -192,7 +198,8 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
   LocalizeResult without_place = EmptyResult(query, &snapshot);
   const int64_t num_tiles = snapshot.Info().num_tiles;
   RankedPlaces ranked;
-  StageRunner(budget, &without_place).Run(Stage::kPrior, [&] {
+  StageRunner stages(budget);
+  stages.Run(Stage::kPrior, [&] {
     ranked = RankPlaces(query, snapshot, budget);
     const bool has_few = query.num_features() < options.pose.min_inliers;
     return num_tiles == 0          ? Reason::kNoCoverage
@@ -200,6 +207,7 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
            : ranked.places.empty() ? Reason::kTooFewMatches
                                    : Reason::kNone;
   });
+  without_place.reason = stages.reason();
   const SnapshotTiles map(snapshot);
   PlaceAnswers answers(&options);
   bool is_complete = ranked.is_complete;
@@ -223,7 +231,7 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
     result.reason_text = ExplainMiss(query, result, options, &snapshot);
   }
   const auto prior = static_cast<size_t>(Stage::kPrior);
-  result.times.seconds[prior] += without_place.times.seconds[prior];
+  result.times.seconds[prior] += stages.times().seconds[prior];
   result.times.total_seconds = SecondsSince(start);
   return result;
 }

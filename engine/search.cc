@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "engine/find_camera.h"
 #include "engine/find_candidates.h"
 #include "engine/pose/estimate_candidate_poses.h"
 #include "engine/pose/focal_search.h"
@@ -28,28 +27,46 @@ bool CameraIsUncertain(const LocalizeQuery& query) {
 }  // namespace
 
 SharedMatches Search::Match(int num_keypoints, FeatureMatcher* matcher) {
-  auto matches = std::make_shared<const std::vector<Correspondence>>(
-      matcher->MatchUpTo(num_keypoints, counters_, budget_.workers, stop_matching_));
-  is_complete_ &= matcher->is_complete();
-  return matcher->num_matched_keypoints() < options_.pose.min_inliers ? nullptr
-                                                                      : std::move(matches);
+  FeatureMatches found = matcher->MatchUpTo(num_keypoints, budget_.workers, stop_matching_);
+  num_matches_ = std::ssize(found.correspondences);
+  num_matched_keypoints_ = found.num_matched_keypoints;
+  num_distances_ += found.num_distances;
+  matching_cut_short_ |= found.was_stopped;
+  is_complete_ &= !found.was_stopped;
+  return found.num_matched_keypoints < options_.pose.min_inliers
+             ? nullptr
+             : std::make_shared<const std::vector<Correspondence>>(
+                   std::move(found.correspondences));
 }
 
 void Search::Vote(const QueryContext& context, const SharedMatches& matches) {
-  candidates_ = FindCandidates(context, tiles_, *matches, options_, budget_, counters_);
+  VotedPoses voted = FindCandidates({context, tiles_, matches}, options_, budget_);
+  candidates_ = std::move(voted.candidates);
+  num_votes_ = voted.num_votes;
+  num_candidates_ = std::ssize(candidates_);
 }
 
 void Search::Estimate(const QueryContext& context, const SharedMatches& matches) {
-  is_complete_ &= EstimateCandidatePoses(context, matches, candidates_, options_.pose,
-                                         options_.refinement.good_evidence, options_.seed, budget_,
-                                         &hypotheses_, counters_);
+  TriedPoses tried =
+      EstimateCandidatePoses(context, matches, candidates_,
+                             {options_.pose, options_.refinement.good_evidence, options_.seed},
+                             budget_, std::move(hypotheses_));
+  work_.Add(tried);
+  Take(std::move(tried));
 }
 
 void Search::MatchKeyframesOf(const QueryContext& context, const SharedMatches& matches,
                               const RefinementOptions& refinement) {
-  is_complete_ &= MatchKeyframes(context, tiles_, *matches,
-                                 {refinement, options_.matching, options_.pose, options_.seed},
-                                 budget_, &hypotheses_, counters_);
+  KeyframePoses poses = MatchKeyframes(
+      {context, tiles_, matches}, {refinement, options_.matching, options_.pose, options_.seed},
+      budget_, std::move(hypotheses_));
+  work_.Add(poses);
+  Take(std::move(poses.tried));
+}
+
+void Search::Take(TriedPoses tried) {
+  hypotheses_ = std::move(tried.hypotheses);
+  is_complete_ &= tried.is_complete;
 }
 
 bool Search::SeesTheMap() const {
@@ -99,7 +116,8 @@ void Search::FindCameraIfUncertain(const LocalizeQuery& query, const SharedMatch
     return;
   }
   const FoundCamera found =
-      FindCamera(context(), query, tiles_, matches, options_, may_refine, budget_, counters_);
+      FindCamera({context(), tiles_, matches}, query, options_, may_refine, budget_);
+  work_.Add(found.work);
   is_complete_ &= found.is_complete;
   with_camera_ = WithCamera(stated_, found.camera);
   camera_is_certain_ = found.IsCertain(options_.refinement.min_trusted_evidence);
@@ -173,6 +191,21 @@ void Search::SearchAll(const LocalizeQuery& query, StageRunner* stages) {
     }
     return hypotheses_.empty() ? Reason::kTooFewInliers : Reason::kNone;
   });
+}
+
+StageCounters Search::AddTo(StageCounters counters) const {
+  counters.num_matches = num_matches_;
+  counters.num_matched_keypoints = num_matched_keypoints_;
+  counters.num_votes = num_votes_;
+  counters.num_candidates = num_candidates_;
+  counters.num_distances = num_distances_;
+  counters.matching_cut_short = matching_cut_short_;
+  counters.num_ransac_iterations = work_.num_ransac_iterations;
+  counters.num_refined_keyframes = work_.num_refined_keyframes;
+  counters.num_rematches = work_.num_rematches;
+  counters.pose_cut_short = work_.pose_cut_short;
+  counters.refinement_cut_short = work_.refinement_cut_short;
+  return counters;
 }
 
 void Search::Run(const LocalizeQuery& query, StageRunner* stages) {

@@ -2,10 +2,12 @@
 #ifndef CAIRN_ENGINE_SEARCH_H_
 #define CAIRN_ENGINE_SEARCH_H_
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/find_camera.h"
 #include "engine/localizer_options.h"
 #include "engine/matching/match_features.h"
 #include "engine/pose/pose_hypotheses.h"
@@ -25,12 +27,8 @@ class Search {
  public:
   // There must be tiles.
   Search(const LocalizerOptions& options, const QueryBudget& budget, QueryContext context,
-         std::vector<TileView> tiles, StageCounters* counters)
-      : options_(options),
-        budget_(budget),
-        stated_(std::move(context)),
-        tiles_(std::move(tiles)),
-        counters_(counters) {}
+         std::vector<TileView> tiles)
+      : options_(options), budget_(budget), stated_(std::move(context)), tiles_(std::move(tiles)) {}
   Search(const Search&) = delete;  // The matcher refers to members.
   Search& operator=(const Search&) = delete;
 
@@ -40,6 +38,8 @@ class Search {
   void Run(const LocalizeQuery& query, StageRunner* stages);
 
   const PoseHypotheses& hypotheses() const { return hypotheses_; }
+  // Returns `counters` with those of the stages.
+  StageCounters AddTo(StageCounters counters) const;
   // Returns false if the deadline cut a stage short: with more time, there might be a better pose.
   bool is_complete() const { return is_complete_; }
   // The context of the query. If its focal length is uncertain, with the camera that Run has found:
@@ -75,6 +75,7 @@ class Search {
   void Refine(const QueryContext& context, const SharedMatches& matches);
   void MatchKeyframesOf(const QueryContext& context, const SharedMatches& matches,
                         const RefinementOptions& refinement);
+  void Take(TriedPoses tried);
   // Returns true if a pose, of this or an earlier round, has more evidence than most queries of
   // elsewhere reach, or if the options want refinement whatever the evidence.
   bool SeesTheMap() const;
@@ -85,7 +86,12 @@ class Search {
   const QueryBudget& budget_;
   const QueryContext stated_;
   const std::vector<TileView> tiles_;
-  StageCounters* counters_;
+  // Of the last run of the stages.
+  int64_t num_matches_ = 0, num_matched_keypoints_ = 0, num_votes_ = 0, num_candidates_ = 0;
+  // Of all runs.
+  int64_t num_distances_ = 0;
+  bool matching_cut_short_ = false;
+  PoseWork work_;
   std::optional<FeatureMatcher> matcher_;
   StopFunction stop_matching_;
   bool camera_is_certain_ = true;

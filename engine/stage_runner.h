@@ -14,12 +14,13 @@ namespace cairn {
 // the deadline passes. A stage may run several times.
 class StageRunner {
  public:
-  StageRunner(const QueryBudget& budget, LocalizeResult* result)
-      : budget_(budget), result_(*result) {
-    result_.reason = NotLocalizedReason::kNone;
-  }
+  // Keeps a reference to the budget.
+  explicit StageRunner(const QueryBudget& budget) : budget_(budget) {}
 
-  bool is_running() const { return result_.reason == NotLocalizedReason::kNone; }
+  bool is_running() const { return reason_ == NotLocalizedReason::kNone; }
+  NotLocalizedReason reason() const { return reason_; }
+  // Of the stages; the total stays 0.
+  const StageTimes& times() const { return times_; }
 
   template <typename Work>
   void Run(Stage stage, const Work& work) {
@@ -27,17 +28,18 @@ class StageRunner {
       return;
     }
     if (budget_.DeadlinePassed()) {
-      result_.reason = NotLocalizedReason::kTimeout;
+      reason_ = NotLocalizedReason::kTimeout;
       return;
     }
     const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
-    result_.reason = work();
-    result_.times.seconds[static_cast<size_t>(stage)] += SecondsSince(start);
+    reason_ = work();
+    times_.seconds[static_cast<size_t>(stage)] += SecondsSince(start);
   }
 
  private:
   const QueryBudget& budget_;
-  LocalizeResult& result_;
+  NotLocalizedReason reason_ = NotLocalizedReason::kNone;
+  StageTimes times_;
 };
 
 }  // namespace cairn

@@ -188,10 +188,15 @@ bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& option
          RotationAngleRad(a.rotation, b.rotation) > options.ambiguous_rotation_rad;
 }
 
-void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
-                    const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
-                    const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
-                    LocalizeResult* result) {
+LocalizeResult ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
+                              const std::vector<PoseHypothesis>& hypotheses,
+                              const AnswerOptions& options,
+                              const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
+                              LocalizeResult result) {
+  const auto without_pose = [&](NotLocalizedReason reason) {
+    result.reason = reason;
+    return std::move(result);
+  };
   CAIRN_CHECK(!hypotheses.empty(), "there are no hypotheses");
   std::vector<Contender> by_score;
   for (const PoseHypothesis& hypothesis : hypotheses) {
@@ -201,31 +206,28 @@ void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tile
                    [](const Contender& a, const Contender& b) { return a.score > b.score; });
   const PoseHypothesis* winner = FindWinner(by_score, options);
   if (winner == nullptr) {
-    result->reason = by_score.front().score >= options.min_score
-                         ? NotLocalizedReason::kAmbiguous
-                         : ReasonOfWeakness(query, by_score.front(), options);
-    return;
+    return without_pose(by_score.front().score >= options.min_score
+                            ? NotLocalizedReason::kAmbiguous
+                            : ReasonOfWeakness(query, by_score.front(), options));
   }
   const PoseHypothesis refined = refine(*winner);
   const Contender answer = MakeContender(query, refined);
   if (answer.score < options.min_score) {
-    result->reason = ReasonOfWeakness(query, answer, options);
-    return;
+    return without_pose(ReasonOfWeakness(query, answer, options));
   }
-  LocalizeResult filled = *result;
+  LocalizeResult filled = result;
   filled.reason = NotLocalizedReason::kNone;
   FillPose(
       query, tiles, answer, options.calibration,
       ViewRecall(query, tiles, refined.camera ? refined.camera->camera : query.camera, refined),
       &filled);
   if (refined.camera && filled.confidence < kMinConfidenceOfEstimatedCamera) {
-    result->reason = NotLocalizedReason::kTooFewInliers;
-    return;
+    return without_pose(NotLocalizedReason::kTooFewInliers);
   }
   filled.camera = refined.camera;
   FillMatches(refined.camera ? WithCamera(query, refined.camera->camera) : query, tiles, refined,
               &filled);
-  *result = std::move(filled);
+  return filled;
 }
 
 }  // namespace cairn

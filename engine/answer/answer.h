@@ -19,18 +19,19 @@ namespace cairn {
 bool AreFarApart(const Rigid3d& a, const Rigid3d& b, const AnswerOptions& options);
 
 // Picks the hypothesis with the highest score, or a hypothesis with about as high a score that
-// explains clearly more keypoints. Passes the winner to `refine` and fills the result with the
-// refined pose, its accuracy, score, confidence and matches. If there is no answer, fills in the
+// explains clearly more keypoints. Passes the winner to `refine`. Returns `result` with the refined
+// pose, its accuracy, score, confidence and matches. If there is no answer, returns it with the
 // reason:
 //  - kAmbiguous: see AnswerOptions;
 //  - kPriorMismatch: the score is too low only because the pose is far from the prior;
 //  - kTooFewInliers: otherwise; also if the camera was estimated and the pose is more likely wrong
 //    than right, because the inliers leave the distance open along with the focal length.
 // `hypotheses` must not be empty.
-void ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
-                    const std::vector<PoseHypothesis>& hypotheses, const AnswerOptions& options,
-                    const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
-                    LocalizeResult* result);
+LocalizeResult ConcludeAnswer(const QueryContext& query, const std::vector<TileView>& tiles,
+                              const std::vector<PoseHypothesis>& hypotheses,
+                              const AnswerOptions& options,
+                              const std::function<PoseHypothesis(const PoseHypothesis&)>& refine,
+                              LocalizeResult result);
 
 }  // namespace cairn
 

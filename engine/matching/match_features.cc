@@ -183,9 +183,8 @@ FeatureMatcher::FeatureMatcher(const QueryContext& query, const std::vector<Tile
       descriptors_(query.descriptors(order_, Eigen::all)),
       ranking_(query, CommonCodebook(tiles), options, order_) {}
 
-std::vector<Correspondence> FeatureMatcher::MatchUpTo(int num_keypoints, StageCounters* counters,
-                                                      SharedWorkers* workers,
-                                                      const StopFunction& should_stop) {
+FeatureMatches FeatureMatcher::MatchUpTo(int num_keypoints, SharedWorkers* workers,
+                                         const StopFunction& should_stop) {
   const std::vector<KeypointRange> ranges =
       SplitKeypoints({num_matched_, num_keypoints}, workers != nullptr ? workers->NumFree() : 1);
   num_matched_ = num_keypoints;
@@ -209,23 +208,18 @@ std::vector<Correspondence> FeatureMatcher::MatchUpTo(int num_keypoints, StageCo
                      stop_all, &shared_visits, &ranking_);
     }
   });
-  is_complete_ = is_complete_ && !was_stopped;
-  counters->matching_cut_short |= was_stopped;
-  counters->num_distances +=
-      std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0});
-  std::vector<Correspondence> correspondences = ranking_.Correspondences(tiles_);
-  counters->num_matches = static_cast<int64_t>(correspondences.size());
-  counters->num_matched_keypoints = ranking_.NumMatchedKeypoints();
-  return correspondences;
+  return {.correspondences = ranking_.Correspondences(tiles_),
+          .num_matched_keypoints = ranking_.NumMatchedKeypoints(),
+          .num_distances = std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0}),
+          .was_stopped = was_stopped};
 }
 
-std::vector<Correspondence> MatchFeatures(const QueryContext& query,
-                                          const std::vector<TileView>& tiles,
-                                          const MatchingOptions& options, StageCounters* counters,
-                                          SharedWorkers* workers, const StopFunction& should_stop) {
-  return tiles.empty() ? std::vector<Correspondence>()
+FeatureMatches MatchFeatures(const QueryContext& query, const std::vector<TileView>& tiles,
+                             const MatchingOptions& options, SharedWorkers* workers,
+                             const StopFunction& should_stop) {
+  return tiles.empty() ? FeatureMatches()
                        : FeatureMatcher(query, tiles, options)
-                             .MatchUpTo(query.num_keypoints(), counters, workers, should_stop);
+                             .MatchUpTo(query.num_keypoints(), workers, should_stop);
 }
 
 std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,

@@ -2,30 +2,35 @@
 #ifndef CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 #define CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "core/shared_workers.h"
 #include "core/stop_function.h"
 #include "engine/matching/landmark_ranking.h"
 #include "engine/matching/matching_options.h"
-#include "engine/query/localize_result.h"
 #include "engine/query/query_context.h"
 #include "engine/tiles/searchable_tile.h"
 
 namespace cairn {
 
+struct FeatureMatches {
+  std::vector<Correspondence> correspondences;
+  int64_t num_matched_keypoints = 0;
+  int64_t num_distances = 0;  // Descriptor distances computed, in this call.
+  bool was_stopped = false;   // Some keypoints were not searched everywhere.
+};
+
 // For each keypoint, returns the k best landmarks over all tiles that pass the filters. A landmark
 // in several tiles counts once (its nearest copy). Results are ordered by keypoint, then distance,
-// then landmark id. Sets the matching counters. `workers` (may be null) share the work by ranges of
+// then landmark id. `workers` (may be null) share the work by ranges of
 // keypoints; the result does not depend on them. Polls `should_stop`; once it returns true, the
 // search ends with the correspondences found so far. Throws Error(kInternal) unless all tiles share
 // the codebook with which the query's descriptors were projected. The check compares codebook ids
 // among the tiles, and the dimension with the query.
-std::vector<Correspondence> MatchFeatures(const QueryContext& query,
-                                          const std::vector<TileView>& tiles,
-                                          const MatchingOptions& options, StageCounters* counters,
-                                          SharedWorkers* workers = nullptr,
-                                          const StopFunction& should_stop = {});
+FeatureMatches MatchFeatures(const QueryContext& query, const std::vector<TileView>& tiles,
+                             const MatchingOptions& options, SharedWorkers* workers = nullptr,
+                             const StopFunction& should_stop = {});
 
 // Returns the keypoints in the order in which they are worth matching: the largest first. Large
 // features are more often seen again, and from farther away. Equals are in an order that has
@@ -43,15 +48,9 @@ class FeatureMatcher {
   FeatureMatcher& operator=(const FeatureMatcher&) = delete;
 
   // Matches the keypoints that are worth most, so that `num_keypoints` of them have been matched.
-  // Returns the correspondences of all of these in the order of MatchFeatures. Sets the matching
-  // counters.
-  std::vector<Correspondence> MatchUpTo(int num_keypoints, StageCounters* counters,
-                                        SharedWorkers* workers, const StopFunction& should_stop);
-
-  // Returns the number of keypoints that have a match so far.
-  int64_t num_matched_keypoints() const { return ranking_.NumMatchedKeypoints(); }
-  // Returns false if `should_stop` has ended a round.
-  bool is_complete() const { return is_complete_; }
+  // Returns the correspondences of all of these in the order of MatchFeatures.
+  FeatureMatches MatchUpTo(int num_keypoints, SharedWorkers* workers,
+                           const StopFunction& should_stop);
 
  private:
   const QueryContext& query_;
@@ -61,7 +60,6 @@ class FeatureMatcher {
   const DescriptorMatrix descriptors_;  // In this order.
   LandmarkRanking ranking_;
   int num_matched_ = 0;  // The first ones in this order have been matched.
-  bool is_complete_ = true;
 };
 
 // Matches all keypoints against only the landmarks that the given keyframes saw, for the refinement

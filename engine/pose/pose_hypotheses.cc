@@ -26,11 +26,10 @@ bool PoseHypotheses::AnyHasEvidence(double min_evidence) const {
 // The first attempt runs alone. It usually succeeds, and the other attempts then need not look for
 // much weaker poses. They follow in rounds of four, which run in parallel if cores are free. The
 // rounds do not depend on the number of threads, so the answer does not either.
-int PoseHypotheses::TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
-                                const std::function<PoseAttempt(int, double)>& attempt,
-                                StageCounters* counters) {
+AttemptCount PoseHypotheses::TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
+                                         const std::function<PoseAttempt(int, double)>& attempt) {
   constexpr int kRoundSize = 4;
-  int num_made = 0;
+  AttemptCount total;
   for (int begin = 0, end = 1; begin < count; begin = end, end += kRoundSize) {
     std::vector<PoseAttempt> round(std::min(count, end) - begin);
     const double min_consensus = kMinShareOfBest * best_consensus_;
@@ -40,16 +39,16 @@ int PoseHypotheses::TryInRounds(int count, bool use_gravity, const QueryBudget& 
       }
     });
     for (PoseAttempt& made : round) {
-      num_made += made.correspondences != nullptr;
+      total.num_made += made.correspondences != nullptr;
       if (made.estimate) {
         best_consensus_ = std::max(best_consensus_, made.estimate->consensus);
-        counters->num_ransac_iterations += made.estimate->num_iterations;
+        total.num_ransac_iterations += made.estimate->num_iterations;
         all_.push_back({std::move(*made.estimate), std::move(made.correspondences), use_gravity,
                         std::nullopt});
       }
     }
   }
-  return num_made;
+  return total;
 }
 
 }  // namespace cairn

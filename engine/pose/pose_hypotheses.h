@@ -2,6 +2,7 @@
 #ifndef CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_
 #define CAIRN_ENGINE_POSE_POSE_HYPOTHESES_H_
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -32,6 +33,12 @@ struct PoseAttempt {
   std::optional<PoseEstimate> estimate;
 };
 
+// What attempts have taken.
+struct AttemptCount {
+  int num_made = 0;  // Those that the deadline did not leave out.
+  int64_t num_ransac_iterations = 0;
+};
+
 // A pose with a smaller share of the best pose's evidence can neither win nor make the answer
 // ambiguous.
 inline constexpr double kMinShareOfBest = 0.5;
@@ -46,10 +53,9 @@ class PoseHypotheses {
   bool AnyHasEvidence(double min_evidence) const;
 
   // Makes attempts 0 ... count - 1 until the deadline and keeps the poses they find. The second
-  // argument of `attempt` is the consensus below which a pose is useless. Counts samples. Returns
-  // the number of attempts made.
-  int TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
-                  const std::function<PoseAttempt(int, double)>& attempt, StageCounters* counters);
+  // argument of `attempt` is the consensus below which a pose is useless.
+  AttemptCount TryInRounds(int count, bool use_gravity, const QueryBudget& budget,
+                           const std::function<PoseAttempt(int, double)>& attempt);
 
   // Drops the poses. The consensus of the best remains the bar for later attempts.
   void DropPoses() { all_.clear(); }
@@ -57,6 +63,13 @@ class PoseHypotheses {
  private:
   std::vector<PoseHypothesis> all_;
   double best_consensus_ = 0.0;
+};
+
+// What a stage has made of the hypotheses that it was given.
+struct TriedPoses {
+  PoseHypotheses hypotheses;  // Those that were given, and those of the stage.
+  AttemptCount count;
+  bool is_complete = true;  // The deadline left out nothing.
 };
 
 }  // namespace cairn

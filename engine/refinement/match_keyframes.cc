@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "engine/matching/match_features.h"
 #include "engine/pose/estimate_pose.h"
@@ -28,10 +29,9 @@ std::vector<Correspondence> InliersOf(const PoseHypothesis& pose) {
 // holds has no neighborhood of its own: the query would mostly be matched against the same
 // landmarks again. On a small map, where every keyframe is a neighbor of most others, that saves
 // most of the work.
-std::vector<std::vector<KeyframeRef>> NeighborhoodsToMatch(
-    const QueryContext& query, const std::vector<TileView>& tiles,
-    const std::vector<Correspondence>& matches, const PoseHypotheses& hypotheses,
-    const RefinementOptions& options) {
+std::vector<std::vector<KeyframeRef>> NeighborhoodsToMatch(const MatchedQuery& matched,
+                                                           const PoseHypotheses& hypotheses,
+                                                           const RefinementOptions& options) {
   std::vector<std::vector<KeyframeRef>> neighborhoods;
   const auto is_held = [&](const KeyframeRef& keyframe) {
     return std::any_of(neighborhoods.begin(), neighborhoods.end(), [&](const auto& held) {
@@ -41,17 +41,18 @@ std::vector<std::vector<KeyframeRef>> NeighborhoodsToMatch(
   const auto add_first = [&](const std::vector<Correspondence>& correspondences, int count) {
     RefinementOptions ranking = options;
     ranking.max_keyframes = count;
-    for (const RankedKeyframe& ranked : RankKeyframes(query, tiles, correspondences, ranking)) {
+    for (const RankedKeyframe& ranked :
+         RankKeyframes(matched.query, matched.tiles, correspondences, ranking)) {
       if (!is_held(ranked.keyframe)) {
         neighborhoods.push_back(
-            KeyframeNeighborhood(tiles, ranked.keyframe, options.neighbors_per_keyframe));
+            KeyframeNeighborhood(matched.tiles, ranked.keyframe, options.neighbors_per_keyframe));
       }
     }
   };
   for (const PoseHypothesis* pose : hypotheses.Best(options.max_pose_keyframes)) {
     add_first(InliersOf(*pose), 1);
   }
-  add_first(matches, options.max_keyframes);
+  add_first(*matched.matches, options.max_keyframes);
   return neighborhoods;
 }
 
@@ -69,17 +70,16 @@ bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& 
   return !hypotheses.AnyHasEvidence(options.good_evidence);
 }
 
-bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
-                    const std::vector<Correspondence>& matches, const KeyframeMatching& options,
-                    const QueryBudget& budget, PoseHypotheses* hypotheses,
-                    StageCounters* counters) {
+KeyframePoses MatchKeyframes(const MatchedQuery& matched, const KeyframeMatching& options,
+                             const QueryBudget& budget, PoseHypotheses hypotheses) {
+  const QueryContext& query = matched.query;
   const std::vector<std::vector<KeyframeRef>> neighborhoods =
-      NeighborhoodsToMatch(query, tiles, matches, *hypotheses, options.refinement);
+      NeighborhoodsToMatch(matched, hypotheses, options.refinement);
   std::vector<int64_t> num_rematches(neighborhoods.size(), 0);
   const auto attempt = [&](int i, double min_consensus) -> PoseAttempt {
     const auto rematches =
         std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
-            query, tiles, neighborhoods[i], kRelaxedDistanceQuantile, options.matching));
+            query, matched.tiles, neighborhoods[i], kRelaxedDistanceQuantile, options.matching));
     num_rematches[i] = static_cast<int64_t>(rematches->size());
     std::vector<int> all(rematches->size());
     std::iota(all.begin(), all.end(), 0);
@@ -87,14 +87,10 @@ bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tile
             EstimatePose(query, *rematches, all, options.pose, options.seed, min_consensus)};
   };
   const auto num_keyframes = static_cast<int>(neighborhoods.size());
-  const int num_tried = hypotheses->TryInRounds(num_keyframes, query.down_in_cam.has_value(),
-                                                budget, attempt, counters);
-  counters->num_refined_keyframes += num_tried;
-  counters->num_rematches +=
-      std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0});
-  const bool is_complete = num_tried == num_keyframes;
-  counters->refinement_cut_short |= !is_complete;
-  return is_complete;
+  const AttemptCount count =
+      hypotheses.TryInRounds(num_keyframes, query.down_in_cam.has_value(), budget, attempt);
+  return {{std::move(hypotheses), count, count.num_made == num_keyframes},
+          std::accumulate(num_rematches.begin(), num_rematches.end(), int64_t{0})};
 }
 
 bool DoubtsGravity(const QueryContext& query, const PoseHypotheses& hypotheses,

@@ -16,6 +16,13 @@ namespace cairn {
 // Returns true if the poses found so far need refinement; see RefinementOptions::mode.
 bool NeedsRefinement(const PoseHypotheses& hypotheses, const RefinementOptions& options);
 
+// A query and its matches with tiles. Refers to its parts.
+struct MatchedQuery {
+  const QueryContext& query;
+  const std::vector<TileView>& tiles;
+  const SharedMatches& matches;
+};
+
 // What the stage uses of the localizer's options, which must outlive the object.
 struct KeyframeMatching {
   const RefinementOptions& refinement;
@@ -24,13 +31,17 @@ struct KeyframeMatching {
   uint64_t seed;
 };
 
+struct KeyframePoses {
+  TriedPoses tried;  // An attempt is a keyframe.
+  int64_t num_rematches = 0;
+};
+
 // Matches the query against two kinds of keyframes, each with its neighbors: those that saw most
 // of what the best poses explain, and those with the most matches. A keyframe that was matched as a
 // neighbor of an earlier one is left out. Estimates a pose from each and adds the poses to
-// `hypotheses`. Returns false if the deadline left out a keyframe.
-bool MatchKeyframes(const QueryContext& query, const std::vector<TileView>& tiles,
-                    const std::vector<Correspondence>& matches, const KeyframeMatching& options,
-                    const QueryBudget& budget, PoseHypotheses* hypotheses, StageCounters* counters);
+// `hypotheses`.
+KeyframePoses MatchKeyframes(const MatchedQuery& matched, const KeyframeMatching& options,
+                             const QueryBudget& budget, PoseHypotheses hypotheses);
 
 // Returns true if gravity may be wrong: no pose has RefinementOptions::min_trusted_evidence, or the
 // best pose is weak and tilted against gravity (max_gravity_error_sigmas).

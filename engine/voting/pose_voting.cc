@@ -100,11 +100,15 @@ YawRangePeaks FindPeaksInRange(const Ballot& ballot, int begin, int end,
   return result;
 }
 
-// Finds the cells with the most votes, best first. Ranges of yaw are independent, but one slice per
+struct Peaks {
+  std::vector<VotePeak> best;  // Best first.
+  int64_t num_votes = 0;
+};
+
+// Finds the cells with the most votes. Ranges of yaw are independent, but one slice per
 // range is filled twice, so there are at most as many ranges as threads.
-std::vector<VotePeak> FindPeaks(const Ballot& ballot, const VotingOptions& options,
-                                SharedWorkers* workers, StageCounters* counters,
-                                const StopFunction& should_stop) {
+Peaks FindPeaks(const Ballot& ballot, const VotingOptions& options, SharedWorkers* workers,
+                const StopFunction& should_stop) {
   const int num_ranges =
       std::clamp(workers != nullptr ? workers->NumFree() : 1, 1, ballot.num_yaws / 2);
   std::vector<YawRangePeaks> ranges(num_ranges);
@@ -112,14 +116,14 @@ std::vector<VotePeak> FindPeaks(const Ballot& ballot, const VotingOptions& optio
     ranges[i] = FindPeaksInRange(ballot, i * ballot.num_yaws / num_ranges,
                                  (i + 1) * ballot.num_yaws / num_ranges, options, should_stop);
   });
-  std::vector<VotePeak> peaks;
+  Peaks peaks;
   for (const YawRangePeaks& range : ranges) {
-    counters->num_votes += range.num_votes;
-    peaks.insert(peaks.end(), range.peaks.begin(), range.peaks.end());
+    peaks.num_votes += range.num_votes;
+    peaks.best.insert(peaks.best.end(), range.peaks.begin(), range.peaks.end());
   }
-  std::sort(peaks.begin(), peaks.end(), IsBetterPeak);
-  peaks.resize(std::min(peaks.size(), static_cast<size_t>(kPeaksPerCandidate) *
-                                          static_cast<size_t>(options.max_candidates)));
+  std::sort(peaks.best.begin(), peaks.best.end(), IsBetterPeak);
+  peaks.best.resize(std::min(peaks.best.size(), static_cast<size_t>(kPeaksPerCandidate) *
+                                                    static_cast<size_t>(options.max_candidates)));
   return peaks;
 }
 
@@ -177,13 +181,11 @@ void JudgeCandidates(const RayArrays<double>& rays, const VotingOptions& options
 
 }  // namespace
 
-std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
-                                        const std::vector<Correspondence>& correspondences,
-                                        const VotingOptions& options, StageCounters* counters,
-                                        SharedWorkers* workers, const StopFunction& should_stop) {
+VotedPoses VoteForPoses(const QueryContext& query,
+                        const std::vector<Correspondence>& correspondences,
+                        const VotingOptions& options, SharedWorkers* workers,
+                        const StopFunction& should_stop) {
   CAIRN_CHECK(query.level_from_cam.has_value(), "voting needs gravity");
-  counters->num_votes = 0;
-  counters->num_candidates = 0;
   const std::vector<VoteRay> rays = MakeVoteRays(query, correspondences, options);
   if (rays.empty()) {
     return {};
@@ -199,8 +201,9 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
   // of a pose ranks better but takes too long for all cells, so only kJudgedPerCandidate times the
   // requested number of maxima are judged by support.
   constexpr int kJudgedPerCandidate = 4;
+  const Peaks peaks = FindPeaks(ballot, options, workers, should_stop);
   std::vector<PoseCandidate> candidates;
-  for (const VotePeak& peak : FindPeaks(ballot, options, workers, counters, should_stop)) {
+  for (const VotePeak& peak : peaks.best) {
     candidates.push_back(CandidateAt(peak, grid, ballot.num_yaws));
   }
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad,
@@ -214,15 +217,14 @@ std::vector<PoseCandidate> VoteForPoses(const QueryContext& query,
     JudgeCandidates(support_rays, options, SettledCandidate, workers, should_stop, &candidates);
   }
   if (should_stop && should_stop()) {
-    return {};
+    return {.candidates = {}, .num_votes = peaks.num_votes};
   }
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });
   // Different candidates may have settled at the same place.
   candidates = SuppressNeighbors(candidates, grid, options.yaw_step_rad, options.max_candidates);
-  counters->num_candidates = static_cast<int64_t>(candidates.size());
-  return candidates;
+  return {std::move(candidates), peaks.num_votes};
 }
 
 }  // namespace cairn

@@ -9,7 +9,6 @@ namespace cairn {
 
 struct Correspondence;
 struct PoseCandidate;
-struct StageCounters;
 struct TileView;
 
 // How matches are thinned out before poses are estimated (paper, section "Co-Visibility-Based and
@@ -25,10 +24,10 @@ enum class OutlierFilter {
 struct VotingOptions;
 
 // A filter that the engine does not know, for comparisons (lab/rivals). Returns candidates,
-// best first, and sets the voting counters.
+// best first.
 using CandidateFilter = std::function<std::vector<PoseCandidate>(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
-    const VotingOptions& options, StageCounters* counters)>;
+    const VotingOptions& options)>;
 
 struct VotingOptions {
   // Voting needs gravity. Candidates of a query without gravity come from the best ranked keyframes

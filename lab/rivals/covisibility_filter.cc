@@ -47,7 +47,7 @@ double CountKeypoints(const std::vector<Correspondence>& correspondences,
 
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
-    const VotingOptions& options, StageCounters* counters) {
+    const VotingOptions& options) {
   std::unordered_map<LandmarkId, int> numbers;  // One number per distinct landmark.
   std::vector<int> landmarks;                   // The number of each correspondence's landmark.
   for (const Correspondence& match : correspondences) {
@@ -84,8 +84,6 @@ std::vector<PoseCandidate> CovisibilityCandidates(
   if (components.size() > static_cast<size_t>(options.max_candidates)) {
     components.resize(options.max_candidates);
   }
-  counters->num_votes = 0;
-  counters->num_candidates = static_cast<int64_t>(components.size());
   return components;
 }
 

@@ -22,11 +22,11 @@ namespace cairn {
 // first correspondence. At most options.max_candidates are returned. The literature keeps only the
 // largest component: max_candidates = 1. Center and yaw remain zero.
 //
-// Sets the voting counters. Time is linear in the matches times the tiles, and in the history of
+// Time is linear in the matches times the tiles, and in the history of
 // the matched landmarks.
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
-    const VotingOptions& options, StageCounters* counters);
+    const VotingOptions& options);
 
 // Returns the options with this filter in place of their own.
 VotingOptions WithCovisibility(VotingOptions options);

@@ -283,15 +283,13 @@ void MatchFeaturesStage(benchmark::State& state) {
        Rigid3d()}};
   MatchingOptions options;
   options.distance_quantile = kThresholdQuantile;
-  std::vector<Correspondence> correspondences;
-  StageCounters counters;
+  FeatureMatches matches;
   for (auto _ : state) {
-    counters = StageCounters();
-    correspondences = MatchFeatures(query, tiles, options, &counters);
+    matches = MatchFeatures(query, tiles, options);
   }
-  SetQueryCounters(state, counters.num_distances);
+  SetQueryCounters(state, matches.num_distances);
   int num_recalled = 0;
-  for (const Correspondence& match : correspondences) {
+  for (const Correspondence& match : matches.correspondences) {
     num_recalled +=
         static_cast<int>(match.landmark_idx) == Data().true_landmarks[match.keypoint_idx] ? 1 : 0;
   }

@@ -58,12 +58,11 @@ void Run(benchmark::State& state, const VotingOptions& options) {
   int64_t num_runs = 0, num_top8 = 0, num_top1 = 0, num_votes = 0, num_supporters = 0;
   for (auto _ : state) {
     const PoseScene& scene = scenes[num_runs % kNumScenes];
-    StageCounters counters;
-    const auto candidates = VoteForPoses(scene.query, scene.correspondences, options, &counters);
+    const auto [candidates, votes] = VoteForPoses(scene.query, scene.correspondences, options);
     const int rank = RankOfTruth(scene, candidates);
     num_top8 += rank >= 0;
     num_top1 += rank == 0;
-    num_votes += counters.num_votes;
+    num_votes += votes;
     num_supporters += candidates.empty() ? 0 : candidates[0].correspondences.size();
     ++num_runs;
   }
@@ -212,9 +211,8 @@ void RankOfTheTruth(benchmark::State& state) {
       if (!IsSolvable(scene)) {
         continue;
       }
-      StageCounters counters;
       const int rank = RankOfTruth(
-          scene, VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &counters));
+          scene, VoteForPoses(scene.query, scene.correspondences, VotingOptions()).candidates);
       ++num_solvable;
       num_top1 += rank == 0;
       num_top5 += rank >= 0 && rank < 5;
@@ -254,14 +252,13 @@ void AgainstDenseAccumulator(benchmark::State& state) {
     PoseScene& scene = scenes[num_runs % kNumScenes];
     scene.query.region.min_z_m = 0.0;
     scene.query.region.max_z_m = kHeightM;
-    StageCounters counters;
     const double start = CpuSeconds();
-    const auto own = VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &counters);
+    const auto own = VoteForPoses(scene.query, scene.correspondences, VotingOptions());
     const double middle = CpuSeconds();
     const PoseCandidate dense = DenseAccumulator(scene);
     own_seconds += middle - start;
     dense_seconds += CpuSeconds() - middle;
-    num_own += RankOfTruth(scene, own) == 0;
+    num_own += RankOfTruth(scene, own.candidates) == 0;
     num_dense += RankOfTruth(scene, {dense}) == 0;
     ++num_runs;
   }

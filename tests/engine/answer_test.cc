@@ -48,9 +48,7 @@ LocalizeResult Conclude(
     const std::function<PoseHypothesis(const PoseHypothesis&)>& refine = AsItIs) {
   QueryContext query;
   query.region = SomeRegion();
-  LocalizeResult result;
-  ConcludeAnswer(query, {}, hypotheses, options, refine, &result);
-  return result;
+  return ConcludeAnswer(query, {}, hypotheses, options, refine, {});
 }
 
 TEST(ConcludeAnswer, TakesTheBestScore) {
@@ -124,8 +122,7 @@ double WinningEvidence(const PoseHypothesis& a, const PoseHypothesis& b,
                                               std::make_shared<Codebook>(testing::RandomCodebook()),
                                               IndexOptions()),
        Rigid3d()}};
-  LocalizeResult result;
-  ConcludeAnswer(query, tiles, {a, b}, options, AsItIs, &result);
+  const LocalizeResult result = ConcludeAnswer(query, tiles, {a, b}, options, AsItIs, {});
   EXPECT_EQ(result.localized, result.reason != NotLocalizedReason::kAmbiguous);
   return result.localized
              ? std::round(result.score -

@@ -32,12 +32,11 @@ PoseHypotheses EstimateAll(const PoseScene& scene, int num_candidates, double su
   const auto matches = std::make_shared<const std::vector<Correspondence>>(scene.correspondences);
   const std::vector<PoseCandidate> candidates(num_candidates,
                                               {.correspondences = scene.AllIndices()});
-  PoseHypotheses hypotheses;
-  StageCounters counters;
-  EstimateCandidatePoses(scene.query, matches, candidates, PoseOptions(), sure_evidence, 1, {},
-                         &hypotheses, &counters);
-  EXPECT_FALSE(counters.pose_cut_short);
-  return hypotheses;
+  const PoseOptions options;
+  TriedPoses tried =
+      EstimateCandidatePoses(scene.query, matches, candidates, {options, sure_evidence, 1}, {}, {});
+  EXPECT_TRUE(tried.is_complete);
+  return std::move(tried.hypotheses);
 }
 
 TEST(EstimateCandidatePoses, ASurePoseIsFoundOnce) {

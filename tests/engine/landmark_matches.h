@@ -15,8 +15,7 @@ inline constexpr float kDistanceTolerance = 0.02f;
 inline std::vector<Correspondence> Match(const QueryContext& query,
                                          const std::vector<TileView>& tiles,
                                          const MatchingOptions& options = {}) {
-  StageCounters counters;
-  return MatchFeatures(query, tiles, options, &counters);
+  return MatchFeatures(query, tiles, options).correspondences;
 }
 
 inline std::vector<uint64_t> LandmarkIds(const std::vector<TileView>& tiles,

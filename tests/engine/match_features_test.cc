@@ -258,16 +258,16 @@ TEST(MatchFeatures, EmptyTilesAndNoTilesGiveNoMatches) {
   EXPECT_THAT(Match(SimpleQuery({}), {SimpleView(SimpleTile({{1, {{0.4f}}}}))}), IsEmpty());
 }
 
-TEST(MatchFeatures, SetsTheCounters) {
+TEST(MatchFeatures, CountsMatchesAndDistances) {
   const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.1f}}}, {2, {{0.3f}}}})),
                                        SimpleView(SimpleTile({{3, {{1.5f}, {1.5f}}}}))};
   MatchingOptions options;
   options.distance_quantile = 0.25;
-  StageCounters counters;
-  MatchFeatures(SimpleQuery({{0.0f}, {1.5f}, {0.9f}}), tiles, options, &counters);
-  EXPECT_EQ(counters.num_distances, 3 * 4);
-  EXPECT_EQ(counters.num_matches, 3);
-  EXPECT_EQ(counters.num_matched_keypoints, 2);
+  const FeatureMatches matches =
+      MatchFeatures(SimpleQuery({{0.0f}, {1.5f}, {0.9f}}), tiles, options);
+  EXPECT_EQ(matches.num_distances, 3 * 4);
+  EXPECT_EQ(matches.correspondences.size(), 3u);
+  EXPECT_EQ(matches.num_matched_keypoints, 2);
 }
 
 TEST(MatchFeatures, ThreadsChangeNothing) {
@@ -286,14 +286,14 @@ TEST(MatchFeatures, ThreadsChangeNothing) {
     keypoint = {anywhere(random)};
   }
   const QueryContext query = SimpleQuery(keypoints);
-  StageCounters expected_counters;
-  const auto expected = MatchFeatures(query, tiles, {}, &expected_counters);
+  const FeatureMatches alone = MatchFeatures(query, tiles, {});
+  const std::vector<Correspondence>& expected = alone.correspondences;
   ASSERT_GT(expected.size(), 1000u);
   for (const int num_threads : {2, 3, 7}) {
     SharedWorkers workers(num_threads);
-    StageCounters counters;
-    const auto matches = MatchFeatures(query, tiles, {}, &counters, &workers);
-    EXPECT_EQ(counters.num_distances, expected_counters.num_distances);
+    const FeatureMatches shared = MatchFeatures(query, tiles, {}, &workers);
+    const std::vector<Correspondence>& matches = shared.correspondences;
+    EXPECT_EQ(shared.num_distances, alone.num_distances);
     ASSERT_EQ(matches.size(), expected.size());
     for (size_t i = 0; i < matches.size(); ++i) {
       EXPECT_EQ(matches[i].keypoint_idx, expected[i].keypoint_idx);
@@ -328,8 +328,7 @@ TEST(FeatureMatcher, ARoundAddsToTheMatchesOfTheLast) {
   }
   std::nth_element(scales.begin(), scales.end() - kFirst, scales.end());
   const float least_px = *(scales.end() - kFirst);
-  StageCounters all_counters, counters;
-  const auto all = MatchFeatures(query, tiles, {}, &all_counters);
+  const FeatureMatches all = MatchFeatures(query, tiles, {});
   const auto expect_same = [](const std::vector<Correspondence>& a,
                               const std::vector<Correspondence>& b) {
     ASSERT_EQ(a.size(), b.size());
@@ -340,17 +339,19 @@ TEST(FeatureMatcher, ARoundAddsToTheMatchesOfTheLast) {
     }
   };
   std::vector<Correspondence> of_large;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(of_large), [&](const auto& match) {
-    return query.keypoints[match.keypoint_idx].scale_px >= least_px;
-  });
+  std::copy_if(
+      all.correspondences.begin(), all.correspondences.end(), std::back_inserter(of_large),
+      [&](const auto& match) { return query.keypoints[match.keypoint_idx].scale_px >= least_px; });
   ASSERT_GT(of_large.size(), 0u);
   const MatchingOptions options;
   FeatureMatcher matcher(query, tiles, options);
-  expect_same(matcher.MatchUpTo(kFirst, &counters, nullptr, {}), of_large);
-  EXPECT_LT(counters.num_distances, all_counters.num_distances);
-  expect_same(matcher.MatchUpTo(kNumKeypoints, &counters, nullptr, {}), all);
-  EXPECT_EQ(counters.num_distances, all_counters.num_distances);
-  EXPECT_EQ(counters.num_matched_keypoints, all_counters.num_matched_keypoints);
+  const FeatureMatches first = matcher.MatchUpTo(kFirst, nullptr, {});
+  expect_same(first.correspondences, of_large);
+  EXPECT_LT(first.num_distances, all.num_distances);
+  const FeatureMatches last = matcher.MatchUpTo(kNumKeypoints, nullptr, {});
+  expect_same(last.correspondences, all.correspondences);
+  EXPECT_EQ(first.num_distances + last.num_distances, all.num_distances);
+  EXPECT_EQ(last.num_matched_keypoints, all.num_matched_keypoints);
 }
 
 TEST(MatchFeatures, GoesOnWithWhatItHasWhenToldToStop) {
@@ -358,21 +359,17 @@ TEST(MatchFeatures, GoesOnWithWhatItHasWhenToldToStop) {
                                        SimpleView(SimpleTile({{2, {{0.2f}}}}))};
   const QueryContext query = SimpleQuery({{0.0f}});
   // The landmarks found, stopping at the n-th question.
-  const auto match = [&](int n, StageCounters* counters) {
+  const auto match = [&](int n) {
     int num_questions = 0;
-    return MatchFeatures(query, tiles, {}, counters, nullptr, [&] { return ++num_questions >= n; })
-        .size();
+    return MatchFeatures(query, tiles, {}, nullptr, [&] { return ++num_questions >= n; });
   };
-  StageCounters counters;
-  EXPECT_EQ(match(1, &counters), 0u);
-  EXPECT_EQ(counters.num_distances, 0);
-  EXPECT_TRUE(counters.matching_cut_short);
-  counters = {};
-  EXPECT_EQ(match(3, &counters), 1u);  // Asked before each tile and in it.
-  EXPECT_TRUE(counters.matching_cut_short);
-  counters = {};
-  EXPECT_EQ(match(1'000, &counters), 2u);
-  EXPECT_FALSE(counters.matching_cut_short);
+  EXPECT_EQ(match(1).correspondences.size(), 0u);
+  EXPECT_EQ(match(1).num_distances, 0);
+  EXPECT_TRUE(match(1).was_stopped);
+  EXPECT_EQ(match(3).correspondences.size(), 1u);  // Asked before each tile and in it.
+  EXPECT_TRUE(match(3).was_stopped);
+  EXPECT_EQ(match(1'000).correspondences.size(), 2u);
+  EXPECT_FALSE(match(1'000).was_stopped);
 }
 
 TEST(MatchFeatures, RefuseTilesOfDifferentCodebooks) {

@@ -21,8 +21,7 @@ using testing::PoseSceneOptions;
 using testing::RankOfTruth;
 
 std::vector<PoseCandidate> Vote(const PoseScene& scene, const VotingOptions& options = {}) {
-  StageCounters counters;
-  return VoteForPoses(scene.query, scene.correspondences, options, &counters);
+  return VoteForPoses(scene.query, scene.correspondences, options).candidates;
 }
 
 PoseSceneOptions HardScene(int num_inliers, uint64_t seed) {
@@ -65,17 +64,14 @@ TEST(VoteForPoses, FindsSixtyInliersByGeometryAlone) {
 
 TEST(VoteForPoses, WorkersDoNotChangeTheResult) {
   const PoseScene scene = MakePoseScene(HardScene(60, 3));
-  StageCounters alone_counters;
-  const auto alone =
-      VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &alone_counters);
+  const auto [alone, num_votes] = VoteForPoses(scene.query, scene.correspondences, VotingOptions());
   ASSERT_FALSE(alone.empty());
   for (const int num_threads : {1, 2, 3, 7}) {
     SharedWorkers workers(num_threads);
     const SharedWorkers::Caller caller(&workers);
-    StageCounters counters;
-    const auto shared =
-        VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &counters, &workers);
-    EXPECT_EQ(counters.num_votes, alone_counters.num_votes);
+    const auto [shared, num_shared_votes] =
+        VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &workers);
+    EXPECT_EQ(num_shared_votes, num_votes);
     ASSERT_EQ(shared.size(), alone.size());
     for (size_t i = 0; i < alone.size(); ++i) {
       EXPECT_EQ(shared[i].center_in_anchor, alone[i].center_in_anchor);
@@ -89,30 +85,26 @@ TEST(VoteForPoses, WorkersDoNotChangeTheResult) {
 // Whenever it is told to, it stops at the next heading or candidate, alone and with workers.
 TEST(VoteForPoses, LeavesTheRestWhenItIsToldToStop) {
   const PoseScene scene = MakePoseScene(HardScene(60, 3));
-  const auto vote = [&](SharedWorkers* workers, int num_questions, StageCounters* counters) {
-    std::atomic<int> num_asked = 0;
-    const auto candidates =
-        VoteForPoses(scene.query, scene.correspondences, VotingOptions(), counters, workers,
-                     [&] { return ++num_asked > num_questions; });
-    EXPECT_EQ(candidates.empty(), num_asked > num_questions) << num_questions;
-    return num_asked.load();
+  std::atomic<int> num_asked = 0;
+  const auto vote = [&](SharedWorkers* workers, int num_questions) {
+    num_asked = 0;
+    VotedPoses voted = VoteForPoses(scene.query, scene.correspondences, VotingOptions(), workers,
+                                    [&] { return ++num_asked > num_questions; });
+    EXPECT_EQ(voted.candidates.empty(), num_asked > num_questions) << num_questions;
+    return voted;
   };
-  StageCounters all;
-  const int num_all = vote(nullptr, 1'000'000, &all);
+  const int64_t num_all_votes = vote(nullptr, 1'000'000).num_votes;
+  const int num_all = num_asked;
   EXPECT_GT(num_all, 120);  // Headings, and some candidates.
   for (const int num_questions : {0, 10, num_all - 5, num_all - 1}) {
-    StageCounters counters;
-    vote(nullptr, num_questions, &counters);
-    EXPECT_EQ(counters.num_candidates, 0);
-    EXPECT_EQ(counters.num_votes < all.num_votes, num_questions < 100) << num_questions;
+    const VotedPoses voted = vote(nullptr, num_questions);
+    EXPECT_THAT(voted.candidates, IsEmpty());
+    EXPECT_EQ(voted.num_votes < num_all_votes, num_questions < 100) << num_questions;
   }
   SharedWorkers workers(4);
   const SharedWorkers::Caller caller(&workers);
-  StageCounters counters;
-  vote(&workers, 10, &counters);
-  EXPECT_LT(counters.num_votes, all.num_votes);
-  vote(&workers, 1'000'000, &counters);
-  EXPECT_EQ(counters.num_votes, all.num_votes);
+  EXPECT_LT(vote(&workers, 10).num_votes, num_all_votes);
+  EXPECT_EQ(vote(&workers, 1'000'000).num_votes, num_all_votes);
 }
 
 TEST(VoteForPoses, FindsTheTruthOfARig) {
@@ -265,13 +257,11 @@ TEST(VoteForPoses, OpenRegionOfAWholeMapStaysBounded) {
   ASSERT_FALSE(candidates.empty());
 }
 
-TEST(VoteForPoses, SetsCounters) {
+TEST(VoteForPoses, CountsVotes) {
   const PoseScene scene = MakePoseScene({});
-  StageCounters counters;
-  const auto candidates =
-      VoteForPoses(scene.query, scene.correspondences, VotingOptions(), &counters);
-  EXPECT_GT(counters.num_votes, 0);
-  EXPECT_EQ(counters.num_candidates, static_cast<int64_t>(candidates.size()));
+  const VotedPoses voted = VoteForPoses(scene.query, scene.correspondences, VotingOptions());
+  EXPECT_GT(voted.num_votes, 0);
+  EXPECT_FALSE(voted.candidates.empty());
 }
 
 TEST(VoteForPoses, SameInputSameCandidates) {

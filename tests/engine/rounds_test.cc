@@ -20,17 +20,13 @@ struct FoundPose {
 PoseHypotheses Found(const std::vector<FoundPose>& poses) {
   const auto matches = std::make_shared<const std::vector<Correspondence>>();
   PoseHypotheses hypotheses;
-  StageCounters counters;
-  hypotheses.TryInRounds(
-      static_cast<int>(poses.size()), false, {},
-      [&](int i, double) {
-        PoseEstimate estimate;
-        estimate.evidence = poses[i].evidence;
-        estimate.consensus = poses[i].consensus;
-        estimate.cam_from_anchor.translation.x() = poses[i].x_m;
-        return PoseAttempt{matches, estimate};
-      },
-      &counters);
+  hypotheses.TryInRounds(static_cast<int>(poses.size()), false, {}, [&](int i, double) {
+    PoseEstimate estimate;
+    estimate.evidence = poses[i].evidence;
+    estimate.consensus = poses[i].consensus;
+    estimate.cam_from_anchor.translation.x() = poses[i].x_m;
+    return PoseAttempt{matches, estimate};
+  });
   return hypotheses;
 }
 

@@ -20,10 +20,7 @@ using ::testing::SizeIs;
 std::vector<PoseCandidate> Filter(const std::vector<TileView>& tiles,
                                   const std::vector<Correspondence>& matches,
                                   const VotingOptions& options = {.min_score = 1.0}) {
-  StageCounters counters;
-  const auto candidates = CovisibilityCandidates(tiles, matches, options, &counters);
-  EXPECT_EQ(counters.num_candidates, static_cast<int64_t>(candidates.size()));
-  return candidates;
+  return CovisibilityCandidates(tiles, matches, options);
 }
 
 TEST(CovisibilityCandidates, AreTheConnectedComponentsLargestFirst) {

@@ -39,15 +39,14 @@ QueryMatches MatchOne(const ExperimentWorld& world, const Variant& variant, cons
   const Rigid3d true_cam_from_anchor =
       query.cam_from_ecef * prepared.context.region.ecef_from_anchor;
   QueryMatches matches;
-  StageCounters counters;
   const double start = ThreadCpuSeconds();
-  const std::vector<Correspondence> correspondences =
-      MatchFeatures(prepared.context, prepared.tiles, variant.options.matching, &counters);
+  const FeatureMatches all =
+      MatchFeatures(prepared.context, prepared.tiles, variant.options.matching);
   matches.cpu_seconds = ThreadCpuSeconds() - start;
-  matches.num_distances = counters.num_distances;
-  matches.num_matches = static_cast<int>(correspondences.size());
+  matches.num_distances = all.num_distances;
+  matches.num_matches = static_cast<int>(all.correspondences.size());
   std::vector<bool> found(prepared.context.keypoints.size(), false);
-  for (const Correspondence& match : correspondences) {
+  for (const Correspondence& match : all.correspondences) {
     if (IsRight(prepared.context, true_cam_from_anchor, match.keypoint_idx, match.x_in_anchor,
                 match.sigma_m)) {
       ++matches.num_right;

@@ -52,9 +52,8 @@ struct QueryMatchSet {
 QueryMatchSet MatchesWithFewRight(const PreparedQuery& query, const Rigid3d& true_cam_from_anchor,
                                   const MatchingOptions& options, double max_right_share,
                                   uint64_t seed) {
-  StageCounters counters;
   const std::vector<Correspondence> all =
-      MatchFeatures(query.context, query.tiles, options, &counters);
+      MatchFeatures(query.context, query.tiles, options).correspondences;
   std::vector<bool> is_right(all.size());
   int num_right = 0;
   for (size_t i = 0; i < all.size(); ++i) {
@@ -99,10 +98,9 @@ bool LeadsToTruth(const QueryContext& query, const std::vector<Correspondence>& 
 std::vector<PoseCandidate> CandidatesOf(const PreparedQuery& query,
                                         const std::vector<Correspondence>& matches,
                                         const VotingOptions& options) {
-  StageCounters counters;
   return options.filter == OutlierFilter::kOther
-             ? options.other_filter(query.tiles, matches, options, &counters)
-             : VoteForPoses(query.context, matches, options, &counters);
+             ? options.other_filter(query.tiles, matches, options)
+             : VoteForPoses(query.context, matches, options).candidates;
 }
 
 Ranking Rank(const PreparedQuery& query, const Rigid3d& true_cam_from_anchor,
