@@ -16,13 +16,14 @@
 #include "cli/client_key.h"
 #include "cli/eval_queries.h"
 #include "cli/index_option.h"
+#include "cli/make_folders.h"
 #include "cli/options_file.h"
 #include "cli/query_features.h"
 #include "cli/shell.h"
-#include "cli/whole_file.h"
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/features/sift/sift_extractor.h"
+#include "core/file_bytes.h"
 #include "core/parallel_for.h"
 #include "engine/localizer.h"
 #include "eval/elsewhere.h"
@@ -180,9 +181,9 @@ std::vector<EvalQuery> PrepareQueries(const EvalArguments& arguments,
 void WriteReportFolder(const EvalArguments& arguments, const MapSnapshot& map,
                        const std::vector<EvalQuery>& queries, const EvalReport& report) {
   const std::string folder = arguments.report_dir + "/";
-  WriteWholeFile(folder + "report.json", ReportAsJson(report));
-  WriteWholeFile(folder + "answers.csv", ReportAsCsv(report));
-  WriteWholeFile(folder + "index.html", MakeReportPage(arguments.map_path, map, queries, report));
+  WriteTextFile(folder + "report.json", ReportAsJson(report));
+  WriteTextFile(folder + "answers.csv", ReportAsCsv(report));
+  WriteTextFile(folder + "index.html", MakeReportPage(arguments.map_path, map, queries, report));
 }
 
 void WriteReports(const EvalArguments& arguments, const MapSnapshot& map,
@@ -191,13 +192,13 @@ void WriteReports(const EvalArguments& arguments, const MapSnapshot& map,
     WriteReportFolder(arguments, map, queries, report);
   }
   if (!arguments.json_path.empty()) {
-    WriteWholeFile(arguments.json_path, ReportAsJson(report));
+    WriteTextFile(arguments.json_path, ReportAsJson(report));
   }
   if (!arguments.csv_path.empty()) {
-    WriteWholeFile(arguments.csv_path, ReportAsCsv(report));
+    WriteTextFile(arguments.csv_path, ReportAsCsv(report));
   }
   if (!arguments.matches_path.empty()) {
-    WriteWholeFile(arguments.matches_path, MatchesAsCsv(queries, report));
+    WriteTextFile(arguments.matches_path, MatchesAsCsv(queries, report));
   }
 }
 

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "cli/make_folders.h"
 #include "cli/manual/bash_completion.h"
 #include "cli/manual/man_page.h"
 #include "cli/usage_message.h"
-#include "cli/whole_file.h"
+#include "core/file_bytes.h"
 
 namespace cairn {
 namespace {
@@ -23,9 +24,9 @@ ExitCode WriteManual(const CLI::App& app, const ProgramBuild& build, const std::
   MakeFolders(completions.string());
   const CommandTable table = TableOf(app);
   for (const ManPage& page : MakeManPages(table, build.version, build.date)) {
-    WriteWholeFile((man / page.file_name).string(), page.text);
+    WriteTextFile((man / page.file_name).string(), page.text);
   }
-  WriteWholeFile((completions / table.name).string(), MakeBashCompletion(table));
+  WriteTextFile((completions / table.name).string(), MakeBashCompletion(table));
   return ExitCode::kOk;
 }
 

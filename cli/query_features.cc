@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "cli/batch/photo_query.h"
@@ -81,13 +80,7 @@ void WriteQueryListWithFeatures(const std::string& path, std::vector<EvalQuery>*
     wire.codec = query.query.codec;
     wire.width_px = query.query.camera.width_px();
     wire.height_px = query.query.camera.height_px();
-    const std::vector<uint8_t> bytes = EncodeFeatures(wire, LosslessEncoding(wire.features));
-    std::ofstream file(query.features_path, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
-    if (!file.flush()) {
-      throw Error(ErrorCode::kIo, query.features_path + ": cannot write");
-    }
+    WriteFileBytes(query.features_path, EncodeFeatures(wire, LosslessEncoding(wire.features)));
   }
   WriteQueryList(path, *queries);
 }

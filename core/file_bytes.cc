@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <string_view>
 #include <system_error>
 
 #include "core/error.h"
@@ -82,6 +81,18 @@ std::string ReadTextFile(const std::string& path, uint64_t max_bytes) {
                 fmt::format("{}: the text is UTF-16; save it as UTF-8", Printable(path)));
   }
   return text;
+}
+
+void WriteFileBytes(const std::string& path, std::span<const uint8_t> bytes) {
+  WriteTextFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+void WriteTextFile(const std::string& path, std::string_view text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) {
+    throw Error(ErrorCode::kIo, path + ": cannot write");
+  }
 }
 
 }  // namespace cairn

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -191,11 +190,7 @@ void WriteQueryList(const std::string& path, const std::vector<EvalQuery>& queri
   }
   const nlohmann::json json = {
       {"format", kFormat}, {"version", kVersion}, {"queries", std::move(list)}};
-  std::ofstream file(path, std::ios::binary);
-  file << json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write");
-  }
+  WriteTextFile(path, json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace cairn

@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <map>
-#include <span>
 #include <utility>
 
 #include "cli/demo/street/street_scene.h"
 #include "cli/map_session.h"
 #include "core/error.h"
 #include "core/features/sift/sift_extractor.h"
+#include "core/file_bytes.h"
 #include "core/parallel_for.h"
 #include "core/radius68.h"
 #include "eval/pictures/encode_png.h"
@@ -68,15 +67,6 @@ void PrepareFolder(const fs::path& output_dir, const std::string& map_path) {
   }
 }
 
-void WriteFile(const std::string& path, std::span<const uint8_t> bytes) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write");
-  }
-}
-
 std::vector<StreetPhoto> TakePhotos(const StreetScene& scene, const std::vector<Rigid3d>& poses,
                                     const std::string& prefix, const char* phase,
                                     Progress* progress) {
@@ -84,20 +74,16 @@ std::vector<StreetPhoto> TakePhotos(const StreetScene& scene, const std::vector<
                           [&](int done, int total) { progress->Update(phase, done, total); });
 }
 
-std::span<const uint8_t> BytesOf(const std::string& text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
-
 // The photos as files, and their GPS as a table.
 void WritePhotos(const std::vector<StreetPhoto>& photos, double gps_sigma_m,
                  const fs::path& output_dir) {
   std::string table = "image,lat_deg,lon_deg,h_m,accuracy_m\n";
   for (const StreetPhoto& photo : photos) {
-    WriteFile((output_dir / "photos" / photo.name).string(), EncodePng(photo.image));
+    WriteFileBytes((output_dir / "photos" / photo.name).string(), EncodePng(photo.image));
     table += fmt::format("{},{:.9f},{:.9f},{:.3f},{:.2f}\n", photo.name, photo.gps->lat_deg(),
                          photo.gps->lon_deg(), photo.gps->h_m, gps_sigma_m * kRadius68PerSigma2d);
   }
-  WriteFile((output_dir / kPositionsName).string(), BytesOf(table));
+  WriteTextFile((output_dir / kPositionsName).string(), table);
 }
 
 // As `cairn map` of the files.
@@ -147,7 +133,7 @@ void MakeQueries(const StreetScene& scene, const DemoWorldOptions& options, Prog
     query.query.camera = scene.camera();
     query.cam_from_ecef =
         CamFromTarget(photo.cam_from_enu * enu_from_ecef, world->map_from_earth.map_from_session);
-    WriteFile(query.image_path, EncodePng(photo.image));
+    WriteFileBytes(query.image_path, EncodePng(photo.image));
     world->queries.push_back(std::move(query));
     world->photos.push_back(std::move(photo.image));
   }

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/images/encode_image.h"
 #include "eval/pictures/picture_format.h"
 
@@ -86,13 +85,7 @@ std::vector<uint8_t> EncodePicture(const std::string& extension, const cv::Mat& 
 }
 
 void WritePicture(const std::string& path, const cv::Mat& image) {
-  const std::vector<uint8_t> bytes = EncodePicture(PictureExtension(path), image);
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write the picture");
-  }
+  WriteFileBytes(path, EncodePicture(PictureExtension(path), image));
 }
 
 }  // namespace cairn

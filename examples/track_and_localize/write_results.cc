@@ -4,21 +4,12 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 
-#include "core/error.h"
+#include "core/file_bytes.h"
 
 namespace cairn {
 namespace {
-
-void WriteText(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path.string() + ": cannot write");
-  }
-}
 
 // Returns three columns, each after a comma. The columns are empty if there is no position.
 std::string Columns(bool is_there, const Eigen::Vector3d& x) {
@@ -65,8 +56,8 @@ unset multiplot
 }  // namespace
 
 bool WriteResults(const std::filesystem::path& dir, const std::vector<TrackPoint>& points) {
-  WriteText(dir / "trajectory.csv", Csv(points));
-  WriteText(dir / "trajectory.gnuplot", kScript);
+  WriteTextFile((dir / "trajectory.csv").string(), Csv(points));
+  WriteTextFile((dir / "trajectory.gnuplot").string(), kScript);
   const std::string command =
       "cd '" + dir.string() + "' && gnuplot trajectory.gnuplot > /dev/null 2>&1";
   return std::system(command.c_str()) == 0;

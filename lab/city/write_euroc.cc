@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <system_error>
 
-#include "core/error.h"
+#include "core/file_bytes.h"
 #include "lab/city/phone_sequence.h"
 
 namespace cairn {
@@ -16,11 +15,7 @@ namespace fs = std::filesystem;
 void WriteFile(const fs::path& path, const std::string& text) {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path.string() + ": cannot write");
-  }
+  WriteTextFile(path.string(), text);
 }
 
 std::string Row(const Eigen::Vector3d& v) {

@@ -2,13 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "cli/arguments.h"
-#include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/printable.h"
 #include "lab/cli/lab_verbs.h"
 #include "lab/descriptors/street_codebook.h"
@@ -31,12 +30,7 @@ ExitCode RunCodebook(const CodebookArguments& arguments, ProgressMode progress_m
     });
   }
   const std::vector<uint8_t> bytes = EncodeCodebook(codebook);
-  std::ofstream file(arguments.out_path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, arguments.out_path + ": cannot write");
-  }
+  WriteFileBytes(arguments.out_path, bytes);
   fmt::print("{}: {}, {} bytes\n", Printable(arguments.out_path), DigestOf(codebook), bytes.size());
   return ExitCode::kOk;
 }

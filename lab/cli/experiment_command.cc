@@ -14,10 +14,10 @@
 #include "cli/arguments.h"
 #include "cli/choice_option.h"
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "lab/cli/lab_verbs.h"
 #include "lab/experiments/experiment_result.h"
 #include "lab/experiments/runs/experiment_list.h"
-#include "lab/experiments/text_file.h"
 
 namespace cairn {
 namespace {

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +15,7 @@
 #include "cli/query_features.h"
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "eval/pictures/picture_format.h"
 #include "ingest/colmap/write_colmap.h"
 #include "lab/city/city_world.h"
@@ -117,17 +117,14 @@ void WriteMap(const SimulateArguments& arguments, const CityWorldOptions& world,
 // `site`.
 void WriteGeoref(const Reconstruction& reconstruction, const Sim3d& ecef_from_world,
                  const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << "image,lat_deg,lon_deg,h_m,accuracy_m\n";
+  std::string table = "image,lat_deg,lon_deg,h_m,accuracy_m\n";
   for (const ReconImage& image : reconstruction.images) {
     const Geodetic at =
         GeodeticFromEcef(ecef_from_world * image.cam_from_world.Inverse().translation);
-    file << fmt::format("{},{:.10f},{:.10f},{:.4f},{}\n", image.name, at.lat_deg(), at.lon_deg(),
-                        at.h_m, kGeorefAccuracyM);
+    table += fmt::format("{},{:.10f},{:.10f},{:.4f},{}\n", image.name, at.lat_deg(), at.lon_deg(),
+                         at.h_m, kGeorefAccuracyM);
   }
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write");
-  }
+  WriteTextFile(path, table);
 }
 
 void WriteColmap(const SimulateArguments& arguments, const CityWorldOptions& world,

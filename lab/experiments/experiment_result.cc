@@ -8,13 +8,15 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "core/seconds_since.h"
-#include "lab/experiments/text_file.h"
 
 namespace cairn {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kMaxResultBytes = uint64_t{1} << 24;
 
 Json CellAsJson(const Cell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) {
@@ -135,7 +137,8 @@ std::vector<ExperimentResult> ReadResults(const std::string& folder,
   for (const Experiment& experiment : experiments) {
     const std::filesystem::path path = std::filesystem::path(folder) / (experiment.name + ".json");
     if (std::filesystem::exists(path)) {
-      results.push_back(ResultFromJson(ReadTextFile(path.string()), path.string()));
+      results.push_back(
+          ResultFromJson(ReadTextFile(path.string(), kMaxResultBytes), path.string()));
     }
   }
   return results;

@@ -13,7 +13,7 @@
 #include <limits>
 #include <utility>
 
-#include "lab/experiments/text_file.h"
+#include "core/file_bytes.h"
 
 extern char** environ;
 

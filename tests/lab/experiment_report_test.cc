@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/file_bytes.h"
 #include "lab/experiments/experiment_result.h"
 #include "lab/experiments/runs/experiment_list.h"
-#include "lab/experiments/text_file.h"
 #include "support/temp_dir.h"
 
 namespace cairn {
@@ -58,9 +58,9 @@ ExperimentResult RunSmall(const testing::TempDir& folder) {
 TEST(RunExperiment, WritesCsvJsonAndScript) {
   const testing::TempDir folder;
   const ExperimentResult result = RunSmall(folder);
-  EXPECT_EQ(ReadTextFile(folder.File("42_answer.csv")), SmallTable().Csv());
-  EXPECT_EQ(ReadTextFile(folder.File("42_answer.json")), ResultAsJson(result));
-  EXPECT_THAT(ReadTextFile(folder.File("42_answer.gp")), HasSubstr("$series0"));
+  EXPECT_EQ(ReadTextFile(folder.File("42_answer.csv"), 1 << 20), SmallTable().Csv());
+  EXPECT_EQ(ReadTextFile(folder.File("42_answer.json"), 1 << 20), ResultAsJson(result));
+  EXPECT_THAT(ReadTextFile(folder.File("42_answer.gp"), 1 << 20), HasSubstr("$series0"));
   EXPECT_FALSE(result.commit.empty());
 }
 

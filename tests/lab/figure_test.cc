@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "lab/experiments/text_file.h"
+#include "core/file_bytes.h"
 #include "support/temp_dir.h"
 
 namespace cairn {
@@ -76,7 +76,7 @@ TEST(WriteFigure, WritesTheScriptWithoutGnuplotToo) {
   const bool drawn = WriteFigure(SmallFigure(), folder.path().string());
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(drawn);
-  EXPECT_EQ(ReadTextFile(folder.File("09_neighbors.gp")), GnuplotScript(SmallFigure()));
+  EXPECT_EQ(ReadTextFile(folder.File("09_neighbors.gp"), 1 << 20), GnuplotScript(SmallFigure()));
 }
 
 TEST(WriteFigure, DrawsSvgAndPng) {
@@ -85,7 +85,7 @@ TEST(WriteFigure, DrawsSvgAndPng) {
   }
   const testing::TempDir folder;
   EXPECT_TRUE(WriteFigure(SmallFigure(), folder.path().string()));
-  EXPECT_NE(ReadTextFile(folder.File("09_neighbors.svg")).find("average precision"),
+  EXPECT_NE(ReadTextFile(folder.File("09_neighbors.svg"), 1 << 20).find("average precision"),
             std::string::npos);
   EXPECT_GT(std::filesystem::file_size(folder.File("09_neighbors.png")), 1000u);
 }

@@ -1,20 +1,11 @@
-#include "cli/whole_file.h"
+#include "cli/make_folders.h"
 
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "core/error.h"
 
 namespace cairn {
-
-void WriteWholeFile(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write");
-  }
-}
 
 void MakeFolders(const std::string& path) {
   std::error_code error;
