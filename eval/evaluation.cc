@@ -7,6 +7,7 @@
 
 #include "core/angles.h"
 #include "core/check.h"
+#include "core/statistics.h"
 #include "eval/evaluation_measures.h"
 
 namespace cairn {

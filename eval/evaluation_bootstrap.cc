@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/check.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -65,16 +66,6 @@ Interval Bootstrap(size_t num_queries, const IndexStatistic& statistic) {
   std::vector<int> each_its_own(num_queries);
   std::iota(each_its_own.begin(), each_its_own.end(), 0);
   return GroupBootstrap(each_its_own, statistic);
-}
-
-double Quantile(std::vector<double> values, double share) {
-  CAIRN_CHECK(!values.empty(), "a quantile needs values");
-  std::sort(values.begin(), values.end());
-  const double rank = share * static_cast<double>(values.size() - 1);
-  const auto lower = static_cast<size_t>(rank);
-  const size_t upper = std::min(lower + 1, values.size() - 1);
-  const double fraction = rank - static_cast<double>(lower);
-  return values[lower] + fraction * (values[upper] - values[lower]);
 }
 
 Interval WilsonInterval(int num_yes, int num) {

@@ -35,10 +35,6 @@ Interval GroupBootstrap(const std::vector<int>& group_of_query, const IndexStati
 // The share `num_yes` / `num` with its 95 % Wilson score interval. num > 0.
 Interval WilsonInterval(int num_yes, int num);
 
-// The quantile at `share` in [0, 1], linear between the two nearest ranks. `values` must not be
-// empty.
-double Quantile(std::vector<double> values, double share);
-
 }  // namespace cairn
 
 #endif  // CAIRN_EVAL_EVALUATION_BOOTSTRAP_H_

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/check.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/adjust/landmark_roles.h"
 #include "core/check.h"
 #include "core/parallel_for.h"
+#include "core/rotation_between.h"
 #include "core/scene/triangulate.h"
 
 namespace cairn {
@@ -79,7 +80,7 @@ double RayAngleRad(const Reconstruction& model, const ReconLandmark& landmark) {
   };
   const Eigen::Vector3d first = farther_from(mean);
   const Eigen::Vector3d second = farther_from(first);
-  return std::atan2(first.cross(second).norm(), first.dot(second));
+  return AngleBetweenRad(first, second);
 }
 
 // Removes the observations of a landmark that do not project or, above `max_error_sigmas`, do not

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "core/rotation_between.h"
 #include "engine/refinement/near_keyframes.h"
 
 namespace cairn {
@@ -17,8 +18,7 @@ double ExpectedMatch(const Eigen::Vector3d& from_query, const Eigen::Vector3d& f
   constexpr double kLogScale = 0.4;   // A factor of 1.5.
   constexpr double kAngleRad = 0.44;  // 25 degrees.
   const double log_ratio = std::log(from_query.norm() / from_keyframe.norm()) / kLogScale;
-  const double angle =
-      std::atan2(from_query.cross(from_keyframe).norm(), from_query.dot(from_keyframe)) / kAngleRad;
+  const double angle = AngleBetweenRad(from_query, from_keyframe) / kAngleRad;
   return std::exp(-0.5 * (log_ratio * log_ratio + angle * angle));
 }
 

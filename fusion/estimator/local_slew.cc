@@ -1,16 +1,11 @@
 #include "fusion/estimator/local_slew.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "core/angles.h"
+#include "core/rotation_between.h"
 
 namespace cairn::fusion {
 namespace {
-
-double YawRad(const Eigen::Quaterniond& rotation) {
-  return 2.0 * std::atan2(rotation.z(), rotation.w());
-}
 
 Eigen::Quaterniond Yaw(double yaw_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
@@ -26,7 +21,7 @@ void LocalSlew::TakeUp(const Rigid3d& before, const Rigid3d& after) {
 
 void LocalSlew::Return(const Rigid3d& local_from_imu) {
   const Eigen::Vector3d& position = local_from_imu.translation;
-  const double yaw_rad = std::remainder(YawRad(shown_from_local_.rotation), 2.0 * kPi);
+  const double yaw_rad = YawRad(shown_from_local_.rotation);
   const Eigen::Vector3d offset = shown_from_local_ * position - position;
   const Eigen::Quaterniond new_yaw =
       Yaw(yaw_rad - std::clamp(yaw_rad, -max_rad_per_frame_, max_rad_per_frame_));

@@ -1,18 +1,13 @@
 #include "fusion/map_updates/alignment.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
+#include "core/rotation_between.h"
 #include "fusion/filter/chi_square.h"
 #include "fusion/tracks/track_update.h"
 
 namespace cairn::fusion {
 namespace {
-
-double YawRad(const Eigen::Quaterniond& rotation) {
-  const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
-  return std::atan2(matrix(1, 0) - matrix(0, 1), matrix(0, 0) + matrix(1, 1));
-}
 
 using GlobalVector = Eigen::Matrix<double, kGlobalDim, 1>;
 

@@ -1,12 +1,13 @@
 #include "fusion/start/standstill.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/require.h"
 #include "core/rotation_between.h"
+#include "core/statistics.h"
 
 namespace cairn::fusion {
 namespace {
@@ -129,9 +130,7 @@ std::optional<double> MedianDisparity(const TrackTable& tracks, int64_t frame_a,
   if (disparities.size() < kMinTracks) {
     return std::nullopt;
   }
-  const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
-  std::nth_element(disparities.begin(), middle, disparities.end());
-  return *middle;
+  return Median(std::move(disparities));
 }
 
 Measurement StandstillMeasurement(const FilterState& state, int anchor) {

@@ -1,9 +1,10 @@
 #include "fusion/tracks/rotation_only.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 #include <vector>
 
+#include "core/statistics.h"
 #include "fusion/filter/camera_view.h"
 #include "fusion/filter/chi_square.h"
 
@@ -36,9 +37,7 @@ std::optional<double> MedianParallaxPx(const FilterState& state, const Camera& c
   if (parallaxes_px.size() < kMinTracks) {
     return std::nullopt;
   }
-  const auto middle = parallaxes_px.begin() + static_cast<std::ptrdiff_t>(parallaxes_px.size() / 2);
-  std::nth_element(parallaxes_px.begin(), middle, parallaxes_px.end());
-  return *middle;
+  return Median(std::move(parallaxes_px));
 }
 
 std::optional<Measurement> RotationOnlyMeasurement(const FilterState& state, const Camera& camera,

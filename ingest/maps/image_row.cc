@@ -6,26 +6,15 @@
 
 #include "ingest/maps/require_input.h"
 #include "ingest/maps/stored_values.h"
+#include "storage/tile/pose_bytes.h"
 
 namespace cairn {
 namespace {
 
 constexpr uint32_t kMaxNameBytes = 4096;
 
-void PutPose(const Rigid3d& pose, ByteWriter* writer) {
-  for (const double value :
-       {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z(),
-        pose.translation.x(), pose.translation.y(), pose.translation.z()}) {
-    writer->Put(value);
-  }
-}
-
-Rigid3d GetPose(ByteReader* reader) {
-  double values[7];
-  reader->GetArray(std::span<double>(values));
-  Rigid3d pose;
-  pose.rotation = Eigen::Quaterniond(values[0], values[1], values[2], values[3]);
-  pose.translation = Eigen::Vector3d(values[4], values[5], values[6]);
+Rigid3d GetValidPose(ByteReader* reader) {
+  const Rigid3d pose = GetPose(reader);
   RequireInput(pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0) < 1e-6,
                "the pose of an image is not rigid");
   return pose;
@@ -45,7 +34,7 @@ void PutImageRow(const KeyframeRecord& keyframe, ByteWriter* writer) {
 KeyframeRecord GetImageRow(ByteReader* reader) {
   KeyframeRecord keyframe;
   keyframe.id = KeyframeId(reader->Get<int64_t>());
-  keyframe.cam_from_ecef = GetPose(reader);
+  keyframe.cam_from_ecef = GetValidPose(reader);
   keyframe.camera = stored::GetCamera(reader);
   const auto name_bytes = reader->Get<uint32_t>();
   RequireInput(keyframe.id >= KeyframeId(1) && name_bytes <= kMaxNameBytes,

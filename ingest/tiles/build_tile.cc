@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
 #include "core/check.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/keypoint_shape.h"
+#include "core/statistics.h"
 #include "ingest/tiles/tile_edit.h"
 
 namespace cairn {
@@ -20,22 +20,6 @@ struct TileObservation {
   uint32_t keyframe_idx = 0;  // In the tile.
   Eigen::Index row = 0;       // Of the tile's projected descriptors.
   int keypoint_idx = 0;
-};
-
-// Mean direction of unit vectors.
-class CircularMean {
- public:
-  void Add(double angle_rad) { sum_ += Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)); }
-  // Nothing if no angle was added or they cancel.
-  std::optional<double> AngleRad() const {
-    if (!(sum_.norm() > 1e-9)) {
-      return std::nullopt;
-    }
-    return std::atan2(sum_.y(), sum_.x());
-  }
-
- private:
-  Eigen::Vector2d sum_ = Eigen::Vector2d::Zero();
 };
 
 // Attributes of one mode.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/check.h"
+#include "core/statistics.h"
 #include "ingest/tiles/landmark_history.h"
 #include "ingest/tiles/tile_edit.h"
 #include "ingest/tiles/tile_option_visit.h"
@@ -26,10 +27,12 @@ struct WeightedDescriptor {
   double azimuth_rad = 0.0;
 };
 
-// Mean direction of two angles with weights.
+// Mean direction of two angles with weights; the first one if they cancel.
 double MeanAngleRad(double a_rad, double a_weight, double b_rad, double b_weight) {
-  return std::atan2(a_weight * std::sin(a_rad) + b_weight * std::sin(b_rad),
-                    a_weight * std::cos(a_rad) + b_weight * std::cos(b_rad));
+  CircularMean mean;
+  mean.Add(a_rad, a_weight);
+  mean.Add(b_rad, b_weight);
+  return mean.AngleRad().value_or(a_rad);
 }
 
 WeightedDescriptor MeanDescriptor(const WeightedDescriptor& a, const WeightedDescriptor& b) {

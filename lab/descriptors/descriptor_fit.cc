@@ -14,6 +14,7 @@
 #include "core/adjust/quiet_ceres.h"
 #include "core/check.h"
 #include "core/error.h"
+#include "core/statistics.h"
 #include "lab/descriptors/descriptor_statistics.h"
 
 namespace cairn {
@@ -83,16 +84,17 @@ void AddCells(const std::string& place, const RealLooks& real, const RealLooks& 
   for (const ViewCell& cell : cells) {
     residuals->Add(
         fmt::format("{} {:.2f} rad 2^{:.2f}", place, cell.max_angle_rad, cell.max_log2_scale),
-        LogOf(Quantile(Pick(model_sq, cell.pairs), 0.5)),
-        LogOf(Quantile(Pick(real_sq, cell.pairs), 0.5)), std::sqrt(sq_weight * share(cell) / sum));
+        LogOf(ValueAtShare(Pick(model_sq, cell.pairs), 0.5)),
+        LogOf(ValueAtShare(Pick(real_sq, cell.pairs), 0.5)),
+        std::sqrt(sq_weight * share(cell) / sum));
   }
 }
 
 void AddSpread(const std::string& place, const RealLooks& real, const RealLooks& model,
                bool is_rendered, ResidualList* residuals) {
   const std::vector<LookPair> pairs = PairsOf(real.looks);
-  residuals->Add(place + " pairs, 75 %", LogOf(Quantile(SqDistances(model.root, pairs), 0.75)),
-                 LogOf(Quantile(SqDistances(real.root, pairs), 0.75)),
+  residuals->Add(place + " pairs, 75 %", LogOf(ValueAtShare(SqDistances(model.root, pairs), 0.75)),
+                 LogOf(ValueAtShare(SqDistances(real.root, pairs), 0.75)),
                  is_rendered ? 0.0 : 2.0 * kSpreadWeight);
   const NearSpread of_real = SpreadOfNearViews(real.looks, pairs, SqDistances(real.root, pairs));
   const NearSpread of_model = SpreadOfNearViews(real.looks, pairs, SqDistances(model.root, pairs));
@@ -107,7 +109,7 @@ double LogRepeatDistance(const DescriptorMatrix& root, const std::vector<LookPai
   std::vector<float> sq_distances = SqDistances(root, pairs);
   std::erase_if(sq_distances,
                 [](float sq) { return sq > kMaxRepeatDistance * kMaxRepeatDistance; });
-  return sq_distances.empty() ? 0.0 : LogOf(Quantile(std::move(sq_distances), 0.5));
+  return sq_distances.empty() ? 0.0 : LogOf(ValueAtShare(std::move(sq_distances), 0.5));
 }
 
 // Adds the nearest-neighbor distances of a set of descriptors that show different things.
@@ -118,14 +120,15 @@ void AddNearest(const std::string& place, const DescriptorMatrix& real,
     const std::vector<float> of_model = NearestDistances(model, num_others, kSeed);
     for (const double share : {0.05, 0.25, 0.5, 0.75, 0.95}) {
       residuals->Add(fmt::format("{} nearest of {}, {:.0f} %", place, num_others, 100.0 * share),
-                     LogOf(Quantile(of_model, share)), LogOf(Quantile(of_real, share)), 1.0);
+                     LogOf(ValueAtShare(of_model, share)), LogOf(ValueAtShare(of_real, share)),
+                     1.0);
     }
   }
   const std::vector<float> of_real = RandomDistances(real, kSeed);
   const std::vector<float> of_model = RandomDistances(model, kSeed);
   for (const double share : {0.001, 0.01, 0.1, 0.5, 0.9}) {
     residuals->Add(fmt::format("{} random pair, {:.1f} %", place, 100.0 * share),
-                   LogOf(Quantile(of_model, share)), LogOf(Quantile(of_real, share)), 1.0);
+                   LogOf(ValueAtShare(of_model, share)), LogOf(ValueAtShare(of_real, share)), 1.0);
   }
 }
 
@@ -133,8 +136,8 @@ void AddNearest(const std::string& place, const DescriptorMatrix& real,
 // spread may differ.
 double LogFall(const DescriptorMatrix& root) {
   const auto all = static_cast<int>(root.rows());
-  return LogOf(Quantile(NearestDistances(root, all, kSeed), 0.5)) -
-         LogOf(Quantile(NearestDistances(root, all / 10, kSeed), 0.5));
+  return LogOf(ValueAtShare(NearestDistances(root, all, kSeed), 0.5)) -
+         LogOf(ValueAtShare(NearestDistances(root, all / 10, kSeed), 0.5));
 }
 
 // A parameter is `value` times e^(x - 1). x starts at 1, so that all parameters have the same step.
@@ -275,7 +278,7 @@ double NearSqDistance(const RealLooks& looks, float max_angle_rad) {
   std::erase_if(pairs, [&](const LookPair& pair) {
     return pair.angle_rad > max_angle_rad || pair.log2_scale > kNearLog2Scale;
   });
-  return pairs.empty() ? 0.0 : Quantile(SqDistances(looks.root, pairs), 0.5);
+  return pairs.empty() ? 0.0 : ValueAtShare(SqDistances(looks.root, pairs), 0.5);
 }
 
 // Squared distance between descriptors of one view in two modes. Nothing else tells the looks

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <vector>
 
-#include "core/error.h"
+#include "core/file_bytes.h"
+#include "core/statistics.h"
 #include "lab/descriptors/descriptor_statistics.h"
 
 namespace cairn {
@@ -25,14 +25,6 @@ struct Place {
   RealLooks model;
   std::vector<LookPair> pairs;
 };
-
-void WriteFile(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) {
-    throw Error(ErrorCode::kIo, path + ": cannot write");
-  }
-}
 
 std::string Header(const char* first, const std::vector<Place>& places) {
   std::string header = first;
@@ -66,7 +58,7 @@ std::string MedianDistance(const DescriptorMatrix& root, const std::vector<LookP
   std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(taken), is_in);
   return static_cast<int>(taken.size()) < kMinPairsOfPoint
              ? ""
-             : fmt::format("{:.4f}", std::sqrt(Quantile(SqDistances(root, taken), 0.5)));
+             : fmt::format("{:.4f}", std::sqrt(ValueAtShare(SqDistances(root, taken), 0.5)));
 }
 
 // Returns median distances over bins of one kind of view difference, while the other kind is small.
@@ -95,7 +87,7 @@ std::string Quantiles(const std::string& header, const std::vector<std::vector<f
   for (int percent = 1; percent < 100; ++percent) {
     text += fmt::format("{:.2f}", 0.01 * percent);
     for (const std::vector<float>& column : columns) {
-      text += fmt::format(",{:.4f}", Quantile(column, 0.01 * percent));
+      text += fmt::format(",{:.4f}", ValueAtShare(column, 0.01 * percent));
     }
     text += "\n";
   }
@@ -140,7 +132,8 @@ std::string Crowd(const DescriptorFitData& data, const DescriptorModel& model) {
     const auto median = [&](const DescriptorMatrix& root) {
       return others > root.rows()
                  ? std::string()
-                 : fmt::format("{:.4f}", Quantile(NearestDistances(root, others, kPlotSeed), 0.5));
+                 : fmt::format("{:.4f}",
+                               ValueAtShare(NearestDistances(root, others, kPlotSeed), 0.5));
     };
     text += fmt::format("{},{},{}\n", others, median(data.crowd), median(clutter));
   }
@@ -158,26 +151,27 @@ void WriteDescriptorPlots(const DescriptorFitData& data, const DescriptorModelOp
         {street.name, street.looks, Simulate(street.looks, model), PairsOf(street.looks.looks)});
   }
   std::filesystem::create_directories(output_dir);
-  WriteFile(output_dir + "/spectrum.csv", Spectrum(places));
-  WriteFile(output_dir + "/nearest.csv", Nearest(places));
-  WriteFile(output_dir + "/same_and_other.csv", SameAndOther(places));
-  WriteFile(output_dir + "/crowd.csv", Crowd(data, model));
+  WriteTextFile(output_dir + "/spectrum.csv", Spectrum(places));
+  WriteTextFile(output_dir + "/nearest.csv", Nearest(places));
+  WriteTextFile(output_dir + "/same_and_other.csv", SameAndOther(places));
+  WriteTextFile(output_dir + "/crowd.csv", Crowd(data, model));
   if (data.facade.size() > 0) {
     places.push_back(
         {"facade", data.facade, Simulate(data.facade, model), PairsOf(data.facade.looks)});
   }
-  WriteFile(output_dir + "/angle.csv",
-            Growth(
-                "angle_rad", places,
-                {0.0f, 0.01f, 0.02f, 0.035f, 0.05f, 0.075f, 0.1f, 0.15f, 0.2f, 0.3f, 0.45f, 0.6f,
-                 0.8f, 1.0f, 1.4f},
-                [](const LookPair& pair) { return pair.angle_rad; },
-                [](const LookPair& pair) { return pair.log2_scale < 0.3f; }));
-  WriteFile(output_dir + "/scale.csv",
-            Growth(
-                "log2_scale", places, {0.0f, 0.1f, 0.2f, 0.3f, 0.45f, 0.6f, 0.8f, 1.0f, 1.5f, 2.5f},
-                [](const LookPair& pair) { return pair.log2_scale; },
-                [](const LookPair& pair) { return pair.angle_rad < 0.1f; }));
+  WriteTextFile(output_dir + "/angle.csv",
+                Growth(
+                    "angle_rad", places,
+                    {0.0f, 0.01f, 0.02f, 0.035f, 0.05f, 0.075f, 0.1f, 0.15f, 0.2f, 0.3f, 0.45f,
+                     0.6f, 0.8f, 1.0f, 1.4f},
+                    [](const LookPair& pair) { return pair.angle_rad; },
+                    [](const LookPair& pair) { return pair.log2_scale < 0.3f; }));
+  WriteTextFile(
+      output_dir + "/scale.csv",
+      Growth(
+          "log2_scale", places, {0.0f, 0.1f, 0.2f, 0.3f, 0.45f, 0.6f, 0.8f, 1.0f, 1.5f, 2.5f},
+          [](const LookPair& pair) { return pair.log2_scale; },
+          [](const LookPair& pair) { return pair.angle_rad < 0.1f; }));
 }
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/check.h"
+#include "core/statistics.h"
 #include "storage/codebook/descriptor_codec.h"
 
 namespace cairn {
@@ -105,14 +106,6 @@ DescriptorMatrix SimulateClutter(int count, const DescriptorModel& model) {
   }
   NormalizeDescriptors(DescriptorNormalization::kRootSift, &root);
   return root;
-}
-
-float Quantile(std::vector<float> values, double share) {
-  CAIRN_CHECK(!values.empty(), "a quantile needs at least one value");
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 Eigen::VectorXf PrincipalSigmas(const DescriptorMatrix& root) {
@@ -223,7 +216,7 @@ NearSpread SpreadOfNearViews(const std::vector<RealLook>& looks, const std::vect
     Eigen::ArrayXd y = Eigen::Map<Eigen::ArrayXd>(second.data(), count);
     x -= x.mean();
     y -= y.mean();
-    spread.log_sq_distance_range = Quantile(logs, 0.75) - Quantile(logs, 0.25);
+    spread.log_sq_distance_range = ValueAtShare(logs, 0.75) - ValueAtShare(logs, 0.25);
     spread.landmark_correlation =
         static_cast<float>((x * y).sum() / std::sqrt(x.square().sum() * y.square().sum()));
   }

@@ -34,9 +34,6 @@ RealLooks Simulate(const RealLooks& like, const DescriptorModel& model);
 // Returns `count` RootSIFT descriptors of clutter.
 DescriptorMatrix SimulateClutter(int count, const DescriptorModel& model);
 
-// Returns the quantile at `share`, in [0, 1]. `values` must not be empty.
-float Quantile(std::vector<float> values, double share);
-
 // Returns the standard deviations along the principal axes, in descending order.
 Eigen::VectorXf PrincipalSigmas(const DescriptorMatrix& root);
 // Returns the root mean square of half the pairs' differences along the principal axes of `root`.

@@ -88,13 +88,6 @@ std::vector<double> ErrorsInSigmas(const std::vector<Fix>& fixes, const Sim3d& e
   return errors;
 }
 
-double QuantileOf(std::vector<double> errors, double quantile) {
-  const auto at = errors.begin() +
-                  static_cast<std::ptrdiff_t>(quantile * static_cast<double>(errors.size() - 1));
-  std::nth_element(errors.begin(), at, errors.end());
-  return *at;
-}
-
 // The similarity with the least quantile of errors, by that of all fixes and those of random
 // triples.
 Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
@@ -102,7 +95,7 @@ Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
   if (static_cast<int>(fixes.size()) < kMinForConsensus) {
     return best;
   }
-  double least = IsFit(best) ? QuantileOf(ErrorsInSigmas(fixes, best), kFitQuantile)
+  double least = IsFit(best) ? ValueAtShare(ErrorsInSigmas(fixes, best), kFitQuantile)
                              : std::numeric_limits<double>::infinity();
   Random random(seed);
   const int count = static_cast<int>(fixes.size());
@@ -115,7 +108,7 @@ Sim3d FitHalf(const std::vector<Fix>& fixes, uint64_t seed) {
     if (!IsFit(fit)) {
       continue;
     }
-    const double error = QuantileOf(ErrorsInSigmas(fixes, fit), kFitQuantile);
+    const double error = ValueAtShare(ErrorsInSigmas(fixes, fit), kFitQuantile);
     if (error < least) {
       least = error;
       best = fit;
@@ -177,7 +170,7 @@ GpsCheck::GpsCheck(const PhotoSet& set, const Draft& draft, double default_accur
   std::vector<Fix> kept;
   for (int round = 0; round < 3 && IsFit(fit); ++round) {
     const std::vector<double> errors = ErrorsInSigmas(fixes, fit);
-    const double noise = QuantileOf(errors, kNoiseQuantile) / kNoiseQuantileSigmas;
+    const double noise = ValueAtShare(errors, kNoiseQuantile) / kNoiseQuantileSigmas;
     noise_of_stated_ = std::max(1.0, noise);
     noise_of_unstated_ = static_cast<int>(fixes.size()) < kMinForConsensus
                              ? noise_of_stated_

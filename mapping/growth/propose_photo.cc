@@ -7,6 +7,7 @@
 
 #include "core/focal_length.h"
 #include "core/random.h"
+#include "core/rotation_between.h"
 
 namespace cairn {
 namespace {
@@ -54,7 +55,7 @@ bool LooksAlike(const Rigid3d& p_from_world, const Camera& camera_p, const Rigid
       continue;
     }
     const Eigen::Vector3d from_p = x - p, from_q = x - q;
-    const double angle = std::atan2(from_p.cross(from_q).norm(), from_p.dot(from_q));
+    const double angle = AngleBetweenRad(from_p, from_q);
     const double scale =
         camera_p.focal_px() * from_q.norm() / (camera_q.focal_px() * from_p.norm());
     num_alike += angle < kAlikeAngleRad && scale < kAlikeScale && scale > 1.0 / kAlikeScale ? 1 : 0;

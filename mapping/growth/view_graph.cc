@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/rotation_between.h"
 #include "mapping/growth/localize_photo.h"
 #include "mapping/matching/pair_rays.h"
 #include "mapping/matching/relative_pose.h"
@@ -23,14 +24,11 @@ constexpr double kPhotosTolerance = 1.5;
 // wrong pose keeps those whose epipolar lines happen to point the right way.
 constexpr double kMinShareThatFits = 0.7;
 
-double AngleBetween(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
-  return std::atan2(p.cross(q).norm(), p.dot(q));
-}
-
 // The angle between a direction and the arc from `first` to `last`, all unit vectors.
 double AngleToArc(const Eigen::Vector3d& direction, const Eigen::Vector3d& first,
                   const Eigen::Vector3d& last) {
-  const double to_ends = std::min(AngleBetween(direction, first), AngleBetween(direction, last));
+  const double to_ends =
+      std::min(AngleBetweenRad(direction, first), AngleBetweenRad(direction, last));
   const Eigen::Vector3d normal = first.cross(last);
   if (normal.norm() < 1e-9) {
     return to_ends;
@@ -71,7 +69,7 @@ ViewErrors CompareWithView(const TwoView& view, const Rigid3d& a_from_world,
                            const Rigid3d& b_from_world) {
   const Rigid3d b_from_a = b_from_world * a_from_world.Inverse();
   return {RotationAngleRad(b_from_a.rotation, view.b_from_a.rotation),
-          AngleBetween(b_from_a.translation, view.b_from_a.translation)};
+          AngleBetweenRad(b_from_a.translation, view.b_from_a.translation)};
 }
 
 ViewGraph::ViewGraph(const PhotoSet& set, std::span<const TwoView> views,

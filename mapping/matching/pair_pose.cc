@@ -1,10 +1,10 @@
 #include "mapping/matching/pair_pose.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/focal_length.h"
+#include "core/rotation_between.h"
 #include "core/statistics.h"
 #include "engine/pose/ransac.h"
 #include "mapping/matching/plane_pair.h"
@@ -44,8 +44,7 @@ double MedianParallaxRad(std::span<const RayMatch> rays, std::span<const int> in
                          const Eigen::Quaterniond& b_from_a) {
   std::vector<double> angles;
   for (const int i : inliers) {
-    const Eigen::Vector3d turned = b_from_a * rays[i].a;
-    angles.push_back(std::atan2(turned.cross(rays[i].b).norm(), turned.dot(rays[i].b)));
+    angles.push_back(AngleBetweenRad(b_from_a * rays[i].a, rays[i].b));
   }
   return Median(std::move(angles));
 }

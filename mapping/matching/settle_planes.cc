@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/parallel_for.h"
+#include "core/rotation_between.h"
 #include "mapping/matching/pair_pose.h"
 #include "mapping/matching/plane_pair.h"
 
@@ -78,8 +79,7 @@ Stories StoriesOf(const PhotoSet& set, const TwoView& view) {
 
 // 1 for the same normal, 0 for another one.
 double AgreementOf(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
-  const double angle_rad = std::atan2(p.cross(q).norm(), p.dot(q));
-  return std::max(0.0, 1.0 - angle_rad / kMaxNormalErrorRad);
+  return std::max(0.0, 1.0 - AngleBetweenRad(p, q) / kMaxNormalErrorRad);
 }
 
 const Eigen::Vector3d& NormalAt(const Story& story, int photo) {

@@ -1,33 +1,16 @@
 #include "mapping/session/stage_codec.h"
 
-#include <array>
 #include <utility>
 
 #include "core/error.h"
 #include "storage/tile/byte_io.h"
+#include "storage/tile/pose_bytes.h"
 
 namespace cairn {
 namespace {
 
 [[noreturn]] void ThrowDamaged(const std::string& what) {
   throw Error(ErrorCode::kMapDamaged, what + ": does not fit the photos; remove the file");
-}
-
-void PutPose(const Rigid3d& pose, ByteWriter* writer) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  const Eigen::Vector3d& t = pose.translation;
-  writer->PutArray(
-      std::span<const double>(std::array{q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}));
-}
-
-// Without the constructor of Rigid3d, which normalizes and so may change the last bit.
-Rigid3d GetPose(ByteReader* reader) {
-  std::array<double, 7> numbers;
-  reader->GetArray(std::span<double>(numbers));
-  Rigid3d pose;
-  pose.rotation = Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]);
-  pose.translation = {numbers[4], numbers[5], numbers[6]};
-  return pose;
 }
 
 int GetIndex(ByteReader* reader, size_t size, const std::string& what) {

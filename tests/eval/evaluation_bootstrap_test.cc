@@ -19,12 +19,6 @@ double MeanOf(const std::vector<double>& values, std::span<const size_t> sample)
   return sum / static_cast<double>(sample.size());
 }
 
-TEST(Quantile, InterpolatesBetweenRanks) {
-  EXPECT_DOUBLE_EQ(Quantile({4.0, 1.0, 2.0, 3.0}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(Quantile({0.0, 10.0}, 0.025), 0.25);
-  EXPECT_DOUBLE_EQ(Quantile({7.0}, 0.9), 7.0);
-}
-
 TEST(Bootstrap, HasTheStandardErrorOfTheMean) {
   // Half zeros, half ones: the mean of n = 100 has the standard error 0.5 / sqrt(100) = 0.05, the
   // interval reaches 1.96 of it to either side.

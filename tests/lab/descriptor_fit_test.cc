@@ -56,12 +56,6 @@ TEST(DescriptorStatistics, NearestOfAllIsTheNearest) {
   }
 }
 
-TEST(DescriptorStatistics, QuantileOfSortedValues) {
-  EXPECT_EQ(Quantile({3.0f, 1.0f, 2.0f, 5.0f, 4.0f}, 0.0), 1.0f);
-  EXPECT_EQ(Quantile({3.0f, 1.0f, 2.0f, 5.0f, 4.0f}, 0.5), 3.0f);
-  EXPECT_EQ(Quantile({3.0f, 1.0f, 2.0f, 5.0f, 4.0f}, 1.0), 5.0f);
-}
-
 TEST(DescriptorFit, TheModelFitsItself) {
   const DescriptorModelOptions options;
   const DescriptorFitData data = MadeByTheModel(options);

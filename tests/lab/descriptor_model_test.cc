@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "lab/descriptors/descriptor_statistics.h"
 #include "storage/codebook/descriptor_codec.h"
 
@@ -29,7 +30,7 @@ DescriptorMatrix Look(const DescriptorModel& model, const LookAt& look_at) {
 
 float MedianDistance(const DescriptorMatrix& a, const DescriptorMatrix& b) {
   const Eigen::VectorXf distances = (a - b).rowwise().norm();
-  return Quantile({distances.begin(), distances.end()}, 0.5);
+  return ValueAtShare(std::vector<float>(distances.begin(), distances.end()), 0.5);
 }
 
 DescriptorLook Plain(uint64_t landmark) { return {.ornament = landmark, .landmark = landmark}; }
@@ -101,9 +102,9 @@ TEST(DescriptorModel, NearestOthersAreAsFarAsReal) {
   for (const Real& real : {Real{100, 0.445f, 0.560f, 0.656f}, Real{1000, 0.363f, 0.486f, 0.570f},
                            Real{2500, 0.333f, 0.464f, 0.541f}}) {
     const std::vector<float> distances = NearestDistances(clutter, real.num_others, 1);
-    EXPECT_NEAR(Quantile(distances, 0.05), real.low, 0.2f * real.low) << real.num_others;
-    EXPECT_NEAR(Quantile(distances, 0.5), real.median, 0.06f * real.median) << real.num_others;
-    EXPECT_NEAR(Quantile(distances, 0.95), real.high, 0.06f * real.high) << real.num_others;
+    EXPECT_NEAR(ValueAtShare(distances, 0.05), real.low, 0.2f * real.low) << real.num_others;
+    EXPECT_NEAR(ValueAtShare(distances, 0.5), real.median, 0.06f * real.median) << real.num_others;
+    EXPECT_NEAR(ValueAtShare(distances, 0.95), real.high, 0.06f * real.high) << real.num_others;
   }
 }
 

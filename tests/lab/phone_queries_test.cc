@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/frames.h"
+#include "core/statistics.h"
 #include "lab/city/simulated_mapping.h"
 
 namespace cairn {
@@ -20,11 +21,6 @@ CityOptions SmallTownOptions(CityCharacter character = CityCharacter::kOldTown) 
   options.area_km2 = 0.01;
   options.min_landmark_size_m = 0.05;
   return options;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 // Without keypoints of landmarks and with few others, to be quick.
@@ -112,9 +108,9 @@ TEST(PhoneQueries, GpsErrorsAreLargeAndHeavyTailedAndTheReportIsHonestOnAverage)
     errors_m.push_back(GroundDistanceM(truth, query.query.prior->position));
     num_within += errors_m.back() < query.query.prior->accuracy_m;
   }
-  EXPECT_GT(Quantile(errors_m, 0.5), 8.0);
-  EXPECT_LT(Quantile(errors_m, 0.5), 20.0);
-  EXPECT_GT(Quantile(errors_m, 0.99), 3.0 * Quantile(errors_m, 0.5));
+  EXPECT_GT(ValueAtShare(errors_m, 0.5), 8.0);
+  EXPECT_LT(ValueAtShare(errors_m, 0.5), 20.0);
+  EXPECT_GT(ValueAtShare(errors_m, 0.99), 3.0 * ValueAtShare(errors_m, 0.5));
   EXPECT_NEAR(num_within / 1500.0, 0.68, 0.08);
 }
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "lab/descriptors/descriptor_statistics.h"
 
 namespace cairn {
@@ -60,7 +61,7 @@ TEST(LooksAtStreet, FindsLandmarksAgainAndLittleByChance) {
   const RealLooks looks = LooksAtStreet(SmallStreet());
   const std::vector<LookPair> pairs = PairsOf(looks.looks);
   ASSERT_GT(pairs.size(), 200u);
-  EXPECT_LT(Quantile(SqDistances(looks.root, pairs), 0.5), 0.3f * 0.3f);
+  EXPECT_LT(ValueAtShare(SqDistances(looks.root, pairs), 0.5), 0.3f * 0.3f);
   for (const RealLook& look : looks.looks) {
     EXPECT_LT(std::abs(look.azimuth_rad), 1.6f);
   }
@@ -80,7 +81,7 @@ TEST(LooksAtFacade, FindsAPictureInItsCrop) {
     EXPECT_LT(pair.log2_scale, 0.02f);
     EXPECT_NE(looks.looks[pair.a].appearance_mode, looks.looks[pair.b].appearance_mode);
   }
-  EXPECT_LT(Quantile(SqDistances(looks.root, pairs), 0.5), 0.05f * 0.05f);
+  EXPECT_LT(ValueAtShare(SqDistances(looks.root, pairs), 0.5), 0.05f * 0.05f);
 }
 
 TEST(LooksAtFacade, DifferentPicturesHaveNothingInCommon) {

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "cli/demo/street/street_scene.h"
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace cairn {
 namespace {
@@ -33,19 +33,14 @@ const StreetModel& Model() {
   return *model;
 }
 
-double Quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 TEST(ReconstructWithKnownPoses, LandmarksLieOnTheTrueSurfaces) {
   std::vector<double> errors_m;
   for (const ReconLandmark& landmark : Model().reconstruction.landmarks) {
     errors_m.push_back(Model().scene.DistanceToSurfaceM(landmark.x_in_world));
   }
   ASSERT_GT(errors_m.size(), 1500u);
-  EXPECT_LT(Quantile(errors_m, 0.5), 0.03);
-  EXPECT_LT(Quantile(errors_m, 0.9), 0.25);
+  EXPECT_LT(ValueAtShare(errors_m, 0.5), 0.03);
+  EXPECT_LT(ValueAtShare(errors_m, 0.9), 0.25);
 }
 
 TEST(ReconstructWithKnownPoses, ObservationsFitWithinTheBound) {
@@ -65,8 +60,8 @@ TEST(ReconstructWithKnownPoses, ObservationsFitWithinTheBound) {
       y_errors_px.push_back(error.y());
     }
   }
-  EXPECT_NEAR(Quantile(x_errors_px, 0.5), 0.0, 0.05);
-  EXPECT_NEAR(Quantile(y_errors_px, 0.5), 0.0, 0.05);
+  EXPECT_NEAR(ValueAtShare(x_errors_px, 0.5), 0.0, 0.05);
+  EXPECT_NEAR(ValueAtShare(y_errors_px, 0.5), 0.0, 0.05);
 }
 
 TEST(ReconstructWithKnownPoses, IsAValidReconstruction) {
