@@ -142,21 +142,6 @@ std::vector<uint8_t> GatherCodes(const SearchableTile& tile,
   return codes;
 }
 
-// Compares every query with every descriptor. Hits go to the request's receiver.
-void SearchAll(const CodeWords& words, const ByteScale& scale, std::span<const uint8_t> codes,
-               const SearchRequest& request) {
-  BlockedRows rows(words, codes);
-  TileLists list = ListsOfCells(std::vector<uint32_t>(rows.size(), 0), 1);
-  const CellLists descriptors(scale, std::move(rows), std::move(list));
-  std::vector<CellVisit> visits(request.queries.rows());
-  for (size_t i = 0; i < visits.size(); ++i) {
-    visits[i].query_idx = static_cast<uint32_t>(i);
-  }
-  HitCollector collector(scale, request);
-  descriptors.Search(descriptors.Prepare(scale.QuantizeQueries(request.queries)), visits,
-                     &collector);
-}
-
 }  // namespace
 
 std::vector<int> KeypointsByValue(const QueryContext& query) {
@@ -222,40 +207,59 @@ FeatureMatches MatchFeatures(const QueryContext& query, const std::vector<TileVi
                              .MatchUpTo(query.num_keypoints(), workers, should_stop);
 }
 
-std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
-                                                  const std::vector<TileView>& tiles,
-                                                  const std::vector<KeyframeRef>& keyframes,
-                                                  double distance_quantile,
-                                                  const MatchingOptions& options) {
-  if (tiles.empty()) {
+KeyframeMatcher::KeyframeMatcher(const QueryContext& query, const std::vector<TileView>& tiles,
+                                 double distance_quantile, const MatchingOptions& options)
+    : query_(query), tiles_(tiles), options_(options) {
+  if (!tiles.empty()) {
+    const Codebook& codebook = CommonCodebook(tiles);
+    const ByteScale scale(codebook);
+    RequireQueryDim(query.descriptors, scale.dim());
+    prepared_.emplace(Prepared{
+        codebook, scale, CodeWords(codebook, scale), scale.QuantizeQueries(query.descriptors),
+        std::vector<double>(query.num_keypoints(),
+                            SameLandmarkDistance(codebook, distance_quantile))});
+  }
+}
+
+std::vector<Correspondence> KeyframeMatcher::Match(
+    const std::vector<KeyframeRef>& keyframes) const {
+  if (!prepared_) {
     return {};
   }
-  const Codebook& codebook = CommonCodebook(tiles);
-  const std::vector<double> max_distances(query.num_keypoints(),
-                                          SameLandmarkDistance(codebook, distance_quantile));
-  std::vector<std::vector<uint32_t>> keyframes_of_tile(tiles.size());
+  std::vector<std::vector<uint32_t>> keyframes_of_tile(tiles_.size());
   for (const KeyframeRef& keyframe : keyframes) {
     keyframes_of_tile[keyframe.tile_idx].push_back(keyframe.keyframe_idx);
   }
-  const ByteScale scale(codebook);
-  const CodeWords words(codebook, scale);
-  LandmarkRanking ranking(query, codebook, options);
-  for (size_t tile_idx = 0; tile_idx < tiles.size(); ++tile_idx) {
+  LandmarkRanking ranking(query_, prepared_->codebook, options_);
+  for (size_t tile_idx = 0; tile_idx < tiles_.size(); ++tile_idx) {
     if (keyframes_of_tile[tile_idx].empty()) {
       continue;
     }
-    const SearchableTile& tile = *tiles[tile_idx].tile;
+    const SearchableTile& tile = *tiles_[tile_idx].tile;
     SomeDescriptors some = DescriptorsOfKeyframes(tile, keyframes_of_tile[tile_idx]);
+    const std::vector<uint8_t> codes = GatherCodes(tile, some.descriptors);
     const DescriptorPlaces places(tile.landmarks(), tile.places().grid(), some.descriptors,
                                   std::move(some.landmarks));
-    LandmarkRanking::TileHits tile_hits(&ranking, tiles[tile_idx], places,
+    LandmarkRanking::TileHits tile_hits(&ranking, tiles_[tile_idx], places,
                                         static_cast<int>(tile_idx));
-    SearchAll(
-        words, scale, GatherCodes(tile, some.descriptors),
-        {.queries = query.descriptors, .max_distances = max_distances, .receiver = &tile_hits});
+    SearchAll(codes, &tile_hits);
     tile_hits.Flush();
   }
-  return ranking.Correspondences(tiles);
+  return ranking.Correspondences(tiles_);
+}
+
+void KeyframeMatcher::SearchAll(std::span<const uint8_t> codes, HitReceiver* receiver) const {
+  BlockedRows rows(prepared_->words, codes);
+  TileLists list = ListsOfCells(std::vector<uint32_t>(rows.size(), 0), 1);
+  const CellLists descriptors(prepared_->scale, std::move(rows), std::move(list));
+  std::vector<CellVisit> visits(query_.num_keypoints());
+  for (size_t i = 0; i < visits.size(); ++i) {
+    visits[i].query_idx = static_cast<uint32_t>(i);
+  }
+  HitCollector collector(prepared_->scale, {.queries = query_.descriptors,
+                                            .max_distances = prepared_->max_distances,
+                                            .receiver = receiver});
+  descriptors.Search(descriptors.Prepare(prepared_->query_steps), visits, &collector);
 }
 
 }  // namespace cairn

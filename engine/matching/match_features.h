@@ -3,10 +3,14 @@
 #define CAIRN_ENGINE_MATCHING_MATCH_FEATURES_H_
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/shared_workers.h"
 #include "core/stop_function.h"
+#include "engine/index/byte_scale.h"
+#include "engine/index/code_expansion.h"
 #include "engine/matching/landmark_ranking.h"
 #include "engine/matching/matching_options.h"
 #include "engine/query/query_context.h"
@@ -62,20 +66,43 @@ class FeatureMatcher {
   int num_matched_ = 0;  // The first ones in this order have been matched.
 };
 
-// Matches all keypoints against only the landmarks that the given keyframes saw, for the refinement
-// stage. The search is exhaustive, with the absolute threshold at `distance_quantile` whatever the
-// distance filter. Keyframes may repeat. Order and rules are those of MatchFeatures.
 struct KeyframeRef {
   int tile_idx = 0;
   uint32_t keyframe_idx = 0;
 
   bool operator==(const KeyframeRef&) const = default;
 };
-std::vector<Correspondence> MatchAgainstKeyframes(const QueryContext& query,
-                                                  const std::vector<TileView>& tiles,
-                                                  const std::vector<KeyframeRef>& keyframes,
-                                                  double distance_quantile,
-                                                  const MatchingOptions& options);
+
+// Matches all keypoints against only the landmarks that some keyframes saw, for the refinement
+// stage. The search is exhaustive, with the absolute threshold at `distance_quantile` whatever the
+// distance filter. Order and rules are those of MatchFeatures. Safe to call from any thread.
+class KeyframeMatcher {
+ public:
+  // The query, the tiles and the options must outlive the matcher. Throws as MatchFeatures.
+  KeyframeMatcher(const QueryContext& query, const std::vector<TileView>& tiles,
+                  double distance_quantile, const MatchingOptions& options);
+
+  // Keyframes may repeat.
+  std::vector<Correspondence> Match(const std::vector<KeyframeRef>& keyframes) const;
+
+ private:
+  // What the codebook and the query make the same for all keyframes.
+  struct Prepared {
+    const Codebook& codebook;
+    ByteScale scale;
+    CodeWords words;
+    std::vector<int16_t> query_steps;
+    std::vector<double> max_distances;
+  };
+
+  // Compares every keypoint with every descriptor of `codes`.
+  void SearchAll(std::span<const uint8_t> codes, HitReceiver* receiver) const;
+
+  const QueryContext& query_;
+  const std::vector<TileView>& tiles_;
+  const MatchingOptions& options_;
+  std::optional<Prepared> prepared_;  // Empty if there are no tiles.
+};
 
 }  // namespace cairn
 

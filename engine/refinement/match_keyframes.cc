@@ -75,11 +75,11 @@ KeyframePoses MatchKeyframes(const MatchedQuery& matched, const KeyframeMatching
   const QueryContext& query = matched.query;
   const std::vector<std::vector<KeyframeRef>> neighborhoods =
       NeighborhoodsToMatch(matched, hypotheses, options.refinement);
+  const KeyframeMatcher matcher(query, matched.tiles, kRelaxedDistanceQuantile, options.matching);
   std::vector<int64_t> num_rematches(neighborhoods.size(), 0);
   const auto attempt = [&](int i, double min_consensus) -> PoseAttempt {
     const auto rematches =
-        std::make_shared<const std::vector<Correspondence>>(MatchAgainstKeyframes(
-            query, matched.tiles, neighborhoods[i], kRelaxedDistanceQuantile, options.matching));
+        std::make_shared<const std::vector<Correspondence>>(matcher.Match(neighborhoods[i]));
     num_rematches[i] = static_cast<int64_t>(rematches->size());
     std::vector<int> all(rematches->size());
     std::iota(all.begin(), all.end(), 0);
