@@ -39,20 +39,24 @@ std::vector<RankedKeyframe> AllKeyframes(const std::vector<TileView>& tiles) {
 // Counts the votes for every keyframe, in order of tile and keyframe.
 std::vector<RankedKeyframe> CountVotes(const std::vector<TileView>& tiles,
                                        const std::vector<Correspondence>& correspondences) {
+  std::vector<LandmarkId> ids;
+  for (const Correspondence& match : correspondences) {
+    ids.push_back(tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx]);
+  }
   std::vector<RankedKeyframe> counted = AllKeyframes(tiles);
   // The last keypoint that voted for each keyframe. Matches of a keypoint are adjacent.
   std::vector<int> last_voter(counted.size(), -1);
-  for (const Correspondence& match : correspondences) {
-    const LandmarkId id = tiles[match.tile_idx].tile->landmarks().landmark_ids[match.landmark_idx];
-    size_t first = 0;  // Index of the tile's first keyframe.
-    for (const TileView& view : tiles) {
-      for (const uint32_t keyframe_idx : view.tile->landmark_keyframes().KeyframesThatSaw(id)) {
+  size_t first = 0;                     // Index of the tile's first keyframe.
+  for (const TileView& view : tiles) {  // One by one: the table of a tile fits into the cache.
+    for (size_t i = 0; i < ids.size(); ++i) {
+      const int keypoint_idx = correspondences[i].keypoint_idx;
+      for (const uint32_t keyframe_idx : view.tile->landmark_keyframes().KeyframesThatSaw(ids[i])) {
         int& voter = last_voter[first + keyframe_idx];
-        counted[first + keyframe_idx].num_votes += voter != match.keypoint_idx;
-        voter = match.keypoint_idx;
+        counted[first + keyframe_idx].num_votes += voter != keypoint_idx;
+        voter = keypoint_idx;
       }
-      first += view.tile->covisibility().num_keyframes();
     }
+    first += view.tile->covisibility().num_keyframes();
   }
   return counted;
 }
