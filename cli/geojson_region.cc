@@ -1,15 +1,10 @@
 #include "cli/geojson_region.h"
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "core/file_bytes.h"
-#include "core/wire/json_reader.h"
-#include "core/wire/problem.h"
+#include "core/wire/json_file.h"
 
 namespace cairn {
 namespace {
@@ -57,17 +52,11 @@ void Collect(const JsonReader& object, std::vector<GeoPolygon>* polygons) {
 }  // namespace
 
 GeoRegion ReadGeoJsonRegion(const std::string& path) {
-  const std::string text = ReadTextFile(path, kMaxBytes);
-  try {
-    const JsonDocument document = ParseJson(text, kLimits);
+  return ReadJsonFile(path, kMaxBytes, kLimits, [](const JsonReader& json) {
     std::vector<GeoPolygon> polygons;
-    Collect(JsonReader(document), &polygons);
+    Collect(json, &polygons);
     return GeoRegion::OfPolygons(std::move(polygons));
-  } catch (const HttpError& error) {
-    throw Error(ErrorCode::kBadInput, fmt::format("{}: {}", path, error.what()));
-  } catch (const Error& error) {
-    throw Error(error.code(), fmt::format("{}: {}", path, error.what()));
-  }
+  });
 }
 
 }  // namespace cairn

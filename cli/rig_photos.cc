@@ -4,10 +4,7 @@
 
 #include <filesystem>
 
-#include "core/error.h"
-#include "core/file_bytes.h"
-#include "core/wire/json_reader.h"
-#include "core/wire/problem.h"
+#include "core/wire/json_file.h"
 #include "http/json/request_members.h"
 
 namespace cairn {
@@ -35,18 +32,13 @@ RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& fo
 }  // namespace
 
 std::vector<RigPhoto> ReadRigPhotos(const std::string& path) {
-  const std::string text = ReadTextFile(path, kMaxRigBytes);
-  try {
-    const JsonDocument document = ParseJson(text);
+  return ReadJsonFile(path, kMaxRigBytes, {}, [&](const JsonReader& json) {
     std::vector<RigPhoto> photos;
-    for (const JsonReader& element :
-         JsonReader(document).Elements(1, LocalizeQuery::kMaxOtherCameras)) {
+    for (const JsonReader& element : json.Elements(1, LocalizeQuery::kMaxOtherCameras)) {
       photos.push_back(ReadRigPhoto(element, std::filesystem::path(path).parent_path()));
     }
     return photos;
-  } catch (const HttpError& e) {
-    throw Error(ErrorCode::kBadInput, fmt::format("{}: {}", path, e.what()));
-  }
+  });
 }
 
 }  // namespace cairn

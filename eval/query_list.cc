@@ -9,10 +9,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/file_bytes.h"
 #include "core/printable.h"
-#include "core/wire/json_reader.h"
-#include "core/wire/problem.h"
+#include "core/wire/json_file.h"
 #include "eval/eval_query.h"
 
 namespace cairn {
@@ -173,13 +171,9 @@ nlohmann::json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
 }  // namespace
 
 std::vector<EvalQuery> ReadQueryList(const std::string& path) {
-  const std::string text = ReadTextFile(path, kMaxListBytes);
-  try {
-    const JsonDocument document = ParseJson(text, kListLimits);
-    return ReadQueries(JsonReader(document), fs::path(path).parent_path());
-  } catch (const HttpError& error) {
-    throw Error(ErrorCode::kBadInput, fmt::format("{}: {}", path, error.what()));
-  }
+  return ReadJsonFile(path, kMaxListBytes, kListLimits, [&](const JsonReader& json) {
+    return ReadQueries(json, fs::path(path).parent_path());
+  });
 }
 
 void WriteQueryList(const std::string& path, const std::vector<EvalQuery>& queries) {

@@ -15,9 +15,9 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/wire/feature_codec.h"
+#include "core/wire/json_error.h"
 #include "core/wire/json_reader.h"
 #include "core/wire/multipart.h"
-#include "core/wire/problem.h"
 #include "http/exchange/bounded_client.h"
 #include "http/json/localize_response.h"
 #include "http/json/request_limits.h"
@@ -111,7 +111,7 @@ std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client)
 JsonDocument ParseRefusal(const std::string& body) {
   try {
     return ParseJson(body);
-  } catch (const HttpError&) {
+  } catch (const JsonError&) {
     return {};
   }
 }

@@ -11,6 +11,7 @@
 
 #include "core/cell_name.h"
 #include "core/logging.h"
+#include "core/wire/json_error.h"
 #include "http/json/request_photos.h"
 #include "http/keys/presented_key.h"
 #include "http/net/url.h"
@@ -141,6 +142,8 @@ HttpResponse Dispatcher::Run(HttpRequest* sent, Outcome* outcome) const {
     return match.route->handler(request, match.path_parameter);
   } catch (const HttpError& e) {
     return refuse(e);
+  } catch (const JsonError& e) {
+    return refuse(PublicError(e));
   } catch (const Error& e) {
     metrics_->CountError(e.code());
     const HttpError shown = PublicError(e);

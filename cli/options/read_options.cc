@@ -184,12 +184,7 @@ class OptionsReader {
 }  // namespace
 
 void ReadOptions(std::string_view json, OptionList* list) {
-  JsonDocument document;
-  try {
-    document = ParseJson(json, kLimits);
-  } catch (const Error& error) {  // ParseJson has the code of a bad request.
-    throw Error(ErrorCode::kBadInput, error.what());
-  }
+  const JsonDocument document = ParseJson(json, kLimits);
   OptionsReader(document, list).ReadSection(0, "");
 }
 

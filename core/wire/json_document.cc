@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
-#include "core/wire/problem.h"
+#include "core/wire/json_error.h"
 
 namespace cairn {
 namespace {
@@ -67,11 +68,12 @@ class DocumentBuilder {
   };
 
   [[noreturn]] static void Refuse(const std::string& detail) {
-    throw HttpError(ProblemCode::kInvalidJson, detail);
+    throw JsonError(detail, std::nullopt, "");
   }
   [[noreturn]] static void RefuseSize(const std::string& detail) {
-    throw HttpError(ProblemCode::kInvalidJson, detail)
-        .Hint("send features in their binary form, as base64 or as a part of a multipart body");
+    throw JsonError(
+        detail, std::nullopt,
+        "send features in their binary form, as base64 or as a part of a multipart body");
   }
 
   // Objects are small, so comparing every member is as fast as an index.

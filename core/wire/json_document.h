@@ -40,10 +40,10 @@ struct JsonValue {
 // allocates nothing, so a document can be dropped when memory has run out.
 using JsonDocument = std::vector<JsonValue>;
 
-// Parses one JSON value in time and memory linear in the text. Throws HttpError kInvalidJson, with
-// the byte offset, if the text does not parse, is not UTF-8 or exceeds `limits`, or if an object
-// has two members with the same name. Numbers outside the range of a double, NaN and Infinity do
-// not parse.
+// Parses one JSON value in time and memory linear in the text. Throws JsonError without a pointer,
+// with the byte offset in its message, if the text does not parse, is not UTF-8 or exceeds
+// `limits`, or if an object has two members with the same name. Numbers outside the range of a
+// double, NaN and Infinity do not parse.
 JsonDocument ParseJson(std::string_view text, const JsonLimits& limits = {});
 
 }  // namespace cairn

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/printable.h"
-#include "core/wire/problem.h"
+#include "core/wire/json_error.h"
 
 namespace cairn {
 namespace {
@@ -30,10 +30,8 @@ std::string EscapePointer(std::string_view member) {
 }  // namespace
 
 void JsonReader::Fail(const std::string& detail, const std::string& hint) const {
-  throw HttpError(ProblemCode::kInvalidField,
-                  fmt::format("{}: {}", pointer_.empty() ? "the top level" : pointer_, detail))
-      .At(pointer_)
-      .Hint(hint);
+  throw JsonError(fmt::format("{}: {}", pointer_.empty() ? "the top level" : pointer_, detail),
+                  pointer_, hint);
 }
 
 template <typename Visit>

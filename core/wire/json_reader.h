@@ -17,7 +17,7 @@ namespace cairn {
 inline constexpr int64_t kMaxExactInteger = int64_t{1} << 53;
 
 // A value and its position in the document. The document must outlive the reader. All functions
-// throw HttpError kInvalidField with the pointer of the value at fault.
+// throw JsonError with the pointer of the value at fault.
 class JsonReader {
  public:
   // The top level.

@@ -5,6 +5,7 @@
 
 #include "core/check.h"
 #include "core/printable.h"
+#include "core/wire/json_error.h"
 
 namespace cairn {
 namespace {
@@ -121,6 +122,14 @@ HttpError&& HttpError::Header(std::string name, std::string value) && {
 }
 
 HttpError PublicError(const Error& error) {
+  if (const auto* refusal = dynamic_cast<const HttpError*>(&error)) {
+    return *refusal;
+  }
+  if (const auto* json = dynamic_cast<const JsonError*>(&error)) {
+    return json->pointer()
+               ? HttpError(kInvalidField, json->what()).At(*json->pointer()).Hint(json->hint())
+               : HttpError(kInvalidJson, json->what()).Hint(json->hint());
+  }
   const ProblemCode code = ProblemFromErrorCode(error.code());
   if (InfoOf(code).status < 500) {
     return HttpError(code, error.what());

@@ -91,9 +91,11 @@ class HttpError : public Error {
   std::vector<std::pair<std::string, std::string>> headers_;
 };
 
-// Converts an Error for the client. Messages about the request (kBadInput, kInvalidArgument) pass
-// unchanged. All other messages concern the server's own files and state. A reference to the
-// server's log replaces them, so that no file path leaves the server.
+// Converts an Error for the client. An HttpError passes unchanged. A JsonError is of the request:
+// it becomes kInvalidJson, or kInvalidField with its pointer. Of other errors, messages about the
+// request (kBadInput, kInvalidArgument) pass unchanged. All other messages concern the server's own
+// files and state. A reference to the server's log replaces them, so that no file path leaves the
+// server.
 HttpError PublicError(const Error& error);
 
 // The application/problem+json body. Bytes that are not UTF-8 are replaced.

@@ -55,8 +55,9 @@ struct LocalizeRequest {
 };
 
 // Throws HttpError kUnsupportedMediaType unless `content_type` is JSON or multipart/form-data.
-// Throws kInvalidJson, kInvalidField, kInvalidMultipart, kInvalidFeatures or kTooManyFeatures with
-// the JSON pointer of the member at fault. Does not look into images; see ReadPhotos.
+// Throws HttpError kInvalidMultipart, kInvalidFeatures, kTooManyFeatures or kWrongCodec, and
+// JsonError with the JSON pointer of the member at fault. Does not look into images; see
+// ReadPhotos.
 LocalizeRequest ParseLocalizeRequest(std::string_view content_type, std::string_view body,
                                      const RequestLimits& limits);
 

@@ -1,5 +1,5 @@
-// Reads members of requests that several formats share. All functions throw HttpError kInvalidField
-// with the pointer of the value at fault.
+// Reads members of requests that several formats share. All functions throw JsonError with the
+// pointer of the value at fault.
 #ifndef CAIRN_HTTP_JSON_REQUEST_MEMBERS_H_
 #define CAIRN_HTTP_JSON_REQUEST_MEMBERS_H_
 

@@ -8,7 +8,7 @@
 namespace cairn {
 
 // Sets the timeout, the use of the photos' EXIF and the wanted contents of the response. Throws
-// HttpError kInvalidField, also for unknown members.
+// JsonError, also for unknown members.
 void ReadOptions(const JsonReader& json, LocalizeRequest* request);
 
 }  // namespace cairn

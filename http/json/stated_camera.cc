@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/wire/problem.h"
 
 namespace cairn {
 namespace {

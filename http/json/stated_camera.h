@@ -22,7 +22,7 @@ struct StatedCamera {
 // Reads an object with `size` ([width, height]) and, as far as the client knows them, `model`,
 // `modelParams` (the parameters, which need a model), and `focalLength` ("unknown") or
 // `focalLengthSigma` (relative). Without parameters, focal length and distortion are unknown. With
-// focalLength "unknown", all parameters count except the focal length. Throws HttpError with the
+// focalLength "unknown", all parameters count except the focal length. Throws JsonError with the
 // JSON pointer of the member at fault.
 StatedCamera ReadStatedCamera(const JsonReader& camera);
 

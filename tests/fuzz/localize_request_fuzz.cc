@@ -1,5 +1,5 @@
 // The JSON of a request to /v1/localize and GeoPoseProtocol. It must be accepted or refused with
-// HttpError.
+// an Error.
 #include "core/error.h"
 #include "fuzz/fuzz_target.h"
 #include "http/json/geopose_protocol.h"

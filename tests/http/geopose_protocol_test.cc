@@ -12,6 +12,7 @@
 #include "core/angles.h"
 #include "core/geoid.h"
 #include "core/wire/base64.h"
+#include "core/wire/json_error.h"
 #include "core/wire/problem.h"
 
 namespace cairn {
@@ -58,8 +59,8 @@ LocalizeRequest ParseGeoPose(const json& request) {
 std::pair<std::string, std::string> RefusalOf(const json& request) {
   try {
     ParseGeoPose(request);
-  } catch (const HttpError& e) {
-    return {e.pointer(), e.what() + (" " + e.hint())};
+  } catch (const JsonError& e) {
+    return {e.pointer().value_or("none"), e.what() + (" " + e.hint())};
   }
   return {"accepted", ""};
 }
@@ -366,8 +367,8 @@ TEST(GeoPoseRequest, NamesWhatIsMissing) {
     try {
       ParseGeoPoseRequest("application/json", json, RequestLimits{});
       ADD_FAILURE() << json;
-    } catch (const HttpError& e) {
-      EXPECT_EQ(e.pointer(), pointer);
+    } catch (const Error& e) {
+      EXPECT_EQ(PublicError(e).pointer(), pointer);
     }
   }
 }

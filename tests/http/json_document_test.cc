@@ -10,8 +10,8 @@
 #include <string>
 
 #include "core/file_bytes.h"
+#include "core/wire/json_error.h"
 #include "core/wire/json_reader.h"
-#include "core/wire/problem.h"
 #include "support/test_data.h"
 
 namespace cairn {
@@ -24,8 +24,9 @@ std::string Refusal(const std::string& text, const JsonLimits& limits = {}) {
   try {
     ParseJson(text, limits);
     return "";
-  } catch (const HttpError& e) {
-    EXPECT_EQ(e.problem(), ProblemCode::kInvalidJson);
+  } catch (const JsonError& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    EXPECT_FALSE(e.pointer());
     EXPECT_LT(std::string(e.what()).size(), 200u);
     return e.what();
   }

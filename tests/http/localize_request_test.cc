@@ -7,6 +7,7 @@
 
 #include "core/wire/base64.h"
 #include "core/wire/feature_codec.h"
+#include "core/wire/json_error.h"
 #include "core/wire/problem.h"
 
 namespace cairn {
@@ -132,8 +133,8 @@ TEST(LocalizeRequest, RefusesBadRigsWithThePointerOfTheFault) {
   const auto pointer_of = [](const std::string& json, RequestLimits limits = {}) -> std::string {
     try {
       ParseLocalizeRequest("application/json", json, limits);
-    } catch (const HttpError& error) {
-      return error.pointer();
+    } catch (const Error& error) {
+      return PublicError(error).pointer();
     }
     return "accepted";
   };
@@ -320,9 +321,10 @@ TEST(LocalizeRequest, RefusesBadRequestsWithThePointerOfTheFault) {
       try {
         Parse(bad.json);
         ADD_FAILURE() << bad.name << ": accepted";
-      } catch (const HttpError& e) {
-        EXPECT_EQ(InfoOf(e.problem()).name, std::string(InfoOf(bad.problem).name)) << bad.name;
-        EXPECT_EQ(e.pointer(), bad.pointer) << bad.name << ": " << e.what();
+      } catch (const Error& e) {
+        const HttpError shown = PublicError(e);
+        EXPECT_EQ(InfoOf(shown.problem()).name, std::string(InfoOf(bad.problem).name)) << bad.name;
+        EXPECT_EQ(shown.pointer(), bad.pointer) << bad.name << ": " << e.what();
       }
     }
   }
@@ -353,7 +355,7 @@ TEST(LocalizeRequest, RefusesOtherContentTypes) {
 TEST(LocalizeRequest, RefusesEveryTruncationOfAGoodBody) {
   const std::string json = WithImage(R"("id":"q","gravity":[0,1,0])");
   for (size_t size = 0; size < json.size(); ++size) {
-    EXPECT_THROW(Parse(json.substr(0, size)), HttpError) << size;
+    EXPECT_THROW(Parse(json.substr(0, size)), JsonError) << size;
   }
 }
 

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+
+#include "core/wire/json_error.h"
 
 namespace cairn {
 namespace {
@@ -28,6 +31,25 @@ TEST(Problem, JsonHasTheMembersOfRfc9457) {
   EXPECT_EQ(json["errors"][0]["pointer"], "/camera");
   EXPECT_EQ(json["hint"], "send it");
   EXPECT_EQ(json["requestId"], "r1");
+}
+
+TEST(Problem, TheJsonOfARequestIsAtFaultWhereItsReaderSays) {
+  const HttpError field = PublicError(JsonError("/a/b: is missing", "/a/b", "send it"));
+  EXPECT_EQ(field.problem(), ProblemCode::kInvalidField);
+  EXPECT_STREQ(field.what(), "/a/b: is missing");
+  EXPECT_EQ(field.pointer(), "/a/b");
+  EXPECT_EQ(field.hint(), "send it");
+  EXPECT_TRUE(PublicError(JsonError("the top level: must be an object", "", "")).has_pointer());
+  const HttpError text = PublicError(JsonError("does not parse", std::nullopt, ""));
+  EXPECT_EQ(text.problem(), ProblemCode::kInvalidJson);
+  EXPECT_FALSE(text.has_pointer());
+}
+
+TEST(Problem, ARefusalStaysAsItIs) {
+  const HttpError refusal = HttpError(ProblemCode::kWrongCodec, "another map").At("/features");
+  const Error& error = refusal;
+  EXPECT_EQ(PublicError(error).problem(), ProblemCode::kWrongCodec);
+  EXPECT_EQ(PublicError(error).pointer(), "/features");
 }
 
 TEST(Problem, JsonSurvivesDetailsThatAreNotUtf8) {
