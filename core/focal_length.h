@@ -26,6 +26,17 @@ struct FocalPrior {
   void Validate(const Camera& camera) const;
 };
 
+// The camera of an answer, if it was estimated.
+struct CameraEstimate {
+  Camera camera;
+  double focal_sigma_px = 0.0;  // Standard deviation of the focal length.
+  // The focal length that the query stated, or that was assumed for it, and its standard deviation.
+  double assumed_focal_px = 0.0;
+  double assumed_focal_sigma_px = 0.0;
+  // The inliers contradict that focal length by more than three standard deviations.
+  bool focal_disagrees = false;
+};
+
 // The assumed focal length of an uncalibrated camera, in units of the image's long side.
 inline constexpr double kUnknownFocalRatio = 0.85;
 

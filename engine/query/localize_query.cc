@@ -28,10 +28,6 @@ void ValidateRigCamera(const RigCamera& other, DescriptorSpace space, size_t ind
 
 }  // namespace
 
-const char* PriorSourceName(PriorSource source) {
-  return source == PriorSource::kPhoto ? "exif" : "request";
-}
-
 int LocalizeQuery::num_features() const {
   int count = features.size();
   for (const RigCamera& other : other_cameras) {

@@ -11,37 +11,10 @@
 #include "core/camera.h"
 #include "core/features.h"
 #include "core/focal_length.h"
-#include "core/geodesy.h"
-#include "core/rigid3.h"
+#include "core/position_prior.h"
+#include "core/rig_camera.h"
 
 namespace cairn {
-
-// Where a prior comes from.
-enum class PriorSource {
-  kClient,  // The client states it.
-  kPhoto,   // The EXIF of the query's photo.
-};
-const char* PriorSourceName(PriorSource source);  // "request" or "exif".
-
-// A rough position, as a GPS receiver reports it.
-struct PositionPrior {
-  static constexpr double kMaxAccuracyM = 100e3;
-
-  Geodetic position;
-  double accuracy_m = 15.0;  // Radius that contains the true position with 68 % probability.
-  // Standard deviation of the height; empty if the height is unknown or untrusted.
-  std::optional<double> height_sigma_m;
-  PriorSource source = PriorSource::kClient;
-};
-
-// Another camera of a rig and its features, seen at the same instant.
-struct RigCamera {
-  static constexpr double kMaxOffsetM = 100.0;  // From the query's own camera.
-
-  Camera camera;
-  Rigid3d cam_from_first;  // From the frame of the query's own camera to this camera's frame.
-  FeatureSet features;     // In the same descriptor space as the query's own features.
-};
 
 struct LocalizeQuery {
   std::string id;  // Copied to the answer; may be empty.
@@ -65,7 +38,7 @@ struct LocalizeQuery {
   // At the deadline, the best answer found so far is returned. Empty means no deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
 
-  static constexpr int kMaxOtherCameras = 7;
+  static constexpr int kMaxOtherCameras = RigCamera::kMaxOthers;
 
   // Sum over all cameras.
   int num_features() const;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera.h"
+#include "core/focal_length.h"
 #include "core/geodesy.h"
 #include "core/rigid3.h"
 #include "core/tile_id.h"
@@ -86,17 +86,6 @@ struct LocalizeMatch {
   double sigma_m = 0.0;            // Landmark position standard deviation.
   double right_probability = 0.0;  // Probability that the landmark is right if the pose is right.
   InlierTraits traits;             // Include the reprojection error.
-};
-
-// The camera of an answer, if it was estimated.
-struct CameraEstimate {
-  Camera camera;
-  double focal_sigma_px = 0.0;  // Standard deviation of the focal length.
-  // The focal length that the query stated, or that was assumed for it, and its standard deviation.
-  double assumed_focal_px = 0.0;
-  double assumed_focal_sigma_px = 0.0;
-  // The inliers contradict that focal length by more than three standard deviations.
-  bool focal_disagrees = false;
 };
 
 struct LocalizeResult {
