@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "core/wire/json_file.h"
-#include "http/json/request_members.h"
+#include "core/wire/json_members.h"
 
 namespace cairn {
 namespace {
@@ -34,7 +34,7 @@ RigPhoto ReadRigPhoto(const JsonReader& element, const std::filesystem::path& fo
 std::vector<RigPhoto> ReadRigPhotos(const std::string& path) {
   return ReadJsonFile(path, kMaxRigBytes, {}, [&](const JsonReader& json) {
     std::vector<RigPhoto> photos;
-    for (const JsonReader& element : json.Elements(1, LocalizeQuery::kMaxOtherCameras)) {
+    for (const JsonReader& element : json.Elements(1, RigCamera::kMaxOthers)) {
       photos.push_back(ReadRigPhoto(element, std::filesystem::path(path).parent_path()));
     }
     return photos;

@@ -25,7 +25,7 @@ struct PositionPrior {
   Geodetic position;
   double accuracy_m = 15.0;  // Radius that contains the true position with 68 % probability.
   // Standard deviation of the height; empty if the height is unknown or untrusted.
-  std::optional<double> height_sigma_m;
+  std::optional<double> height_sigma_m = {};
   PriorSource source = PriorSource::kClient;
 };
 

@@ -1,7 +1,6 @@
 // The query list format, specified in docs/formats/query_list_v1.md.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +10,8 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/wire/json_file.h"
+#include "core/wire/json_members.h"
+#include "core/wire/stated_camera.h"
 #include "eval/eval_query.h"
 
 namespace cairn {
@@ -36,16 +37,6 @@ auto Checked(const JsonReader& json, const Make& make) {
   }
 }
 
-Geodetic ReadPosition(const JsonReader& json) {
-  const double lat_deg = json.At("lat").Number(), lon_deg = json.At("lon").Number();
-  const double h_m = json.At("h").Number();
-  return Checked(json, [&] {
-    const Geodetic position = Geodetic::FromDegrees(lat_deg, lon_deg, h_m);
-    ValidateGeodetic(position, "position");
-    return position;
-  });
-}
-
 Camera ReadCamera(const JsonReader& json) {
   const std::vector<JsonReader> size = json.At("size").Elements(2, 2);
   const auto width_px = static_cast<int>(size[0].Integer(1, Camera::kMaxSidePx));
@@ -59,20 +50,15 @@ Camera ReadCamera(const JsonReader& json) {
 }
 
 Rigid3d ReadReference(const JsonReader& json) {
-  const Geodetic position = ReadPosition(json.At("position"));
-  const JsonReader quaternion = json.At("quaternion");
-  const Eigen::Quaterniond enu_from_cam(quaternion.At("w").Number(), quaternion.At("x").Number(),
-                                        quaternion.At("y").Number(), quaternion.At("z").Number());
-  if (std::abs(enu_from_cam.norm() - 1.0) > 1e-3) {
-    quaternion.Fail(fmt::format("has length {}, not 1", enu_from_cam.norm()));
-  }
-  const Rigid3d enu_from_camera(enu_from_cam, Eigen::Vector3d::Zero());
-  return (EcefFromEnu(position) * enu_from_camera).Inverse();
+  constexpr double kTolerance = 1e-3;
+  const Rigid3d enu_from_cam(ReadQuaternion(json.At("quaternion"), kTolerance),
+                             Eigen::Vector3d::Zero());
+  return (EcefFromEnu(ReadGeodetic(json.At("position"))) * enu_from_cam).Inverse();
 }
 
 PositionPrior ReadPrior(const JsonReader& json) {
   PositionPrior prior;
-  prior.position = ReadPosition(json.At("position"));
+  prior.position = ReadGeodetic(json.At("position"));
   prior.accuracy_m = json.At("accuracy").Number();
   if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
     prior.height_sigma_m = altitude_accuracy->Number();
@@ -103,8 +89,7 @@ EvalQuery ReadQuery(const JsonReader& json, const fs::path& folder) {
     query.query.prior = ReadPrior(*prior);
   }
   if (const auto gravity = json.Find("gravity")) {
-    const std::vector<double> down = gravity->Numbers(3, 3);
-    query.query.down_in_cam = Eigen::Vector3d(down[0], down[1], down[2]);
+    query.query.down_in_cam = ReadVector(*gravity);
   }
   Checked(json, [&] { query.query.Validate(); });
   return query;
@@ -126,28 +111,16 @@ std::vector<EvalQuery> ReadQueries(const JsonReader& root, const fs::path& folde
   return queries;
 }
 
-nlohmann::json PositionAsJson(const Geodetic& position) {
-  return {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}};
-}
-
 nlohmann::json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
   const Rigid3d ecef_from_cam = query.cam_from_ecef.Inverse();
   const Geodetic position = GeodeticFromEcef(ecef_from_cam.translation);
   const Eigen::Quaterniond enu_from_cam =
       (EcefFromEnu(position).Inverse() * ecef_from_cam).rotation.normalized();
-  const Camera& camera = query.query.camera;
-  nlohmann::json json = {{"name", query.name},
-                         {"camera",
-                          {{"model", CameraModelName(camera.model())},
-                           {"size", {camera.width_px(), camera.height_px()}},
-                           {"modelParams", camera.params()}}},
-                         {"reference",
-                          {{"position", PositionAsJson(position)},
-                           {"quaternion",
-                            {{"x", enu_from_cam.x()},
-                             {"y", enu_from_cam.y()},
-                             {"z", enu_from_cam.z()},
-                             {"w", enu_from_cam.w()}}}}}};
+  nlohmann::json json = {
+      {"name", query.name},
+      {"camera", CameraJson(query.query.camera)},
+      {"reference",
+       {{"position", GeodeticJson(position)}, {"quaternion", QuaternionJson(enu_from_cam)}}}};
   const auto add_path = [&](const char* key, const std::string& path) {
     if (!path.empty()) {
       json[key] = fs::absolute(path).lexically_proximate(folder).generic_string();
@@ -156,14 +129,13 @@ nlohmann::json QueryAsJson(const EvalQuery& query, const fs::path& folder) {
   add_path("image", query.image_path);
   add_path("features", query.features_path);
   if (const auto& prior = query.query.prior) {
-    json["prior"] = {{"position", PositionAsJson(prior->position)},
-                     {"accuracy", prior->accuracy_m}};
+    json["prior"] = {{"position", GeodeticJson(prior->position)}, {"accuracy", prior->accuracy_m}};
     if (prior->height_sigma_m) {
       json["prior"]["altitudeAccuracy"] = *prior->height_sigma_m;
     }
   }
   if (const auto& down = query.query.down_in_cam) {
-    json["gravity"] = {down->x(), down->y(), down->z()};
+    json["gravity"] = VectorJson(*down);
   }
   return json;
 }

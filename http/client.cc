@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -18,93 +17,31 @@
 #include "core/wire/json_error.h"
 #include "core/wire/json_reader.h"
 #include "core/wire/multipart.h"
+#include "core/wire/wire_request.h"
 #include "http/exchange/bounded_client.h"
 #include "http/json/localize_response.h"
-#include "http/json/request_limits.h"
 
 namespace cairn {
 namespace {
 
-nlohmann::json CameraJson(const Camera& camera) {
-  return {{"model", CameraModelName(camera.model())},
-          {"size", {camera.width_px(), camera.height_px()}},
-          {"modelParams", camera.params()}};
-}
-
-// The query's own camera. A focal prior that comes with parameters is sent as a standard deviation,
-// however large, because the server replaces an "unknown" focal length by its own guess.
-nlohmann::json StatedCameraJson(const LocalizeQuery& query) {
-  if (query.focal && query.focal->with_distortion) {
-    return {{"size", {query.camera.width_px(), query.camera.height_px()}},
-            {"focalLength", "unknown"}};
+std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
+  WireRequest wire{.id = query.id, .camera = query.camera, .focal = query.focal};
+  for (const RigCamera& other : query.other_cameras) {
+    wire.other_cameras.push_back({other.camera, other.cam_from_first, {}});  // Features are parts.
   }
-  nlohmann::json json = CameraJson(query.camera);
-  if (query.focal) {
-    json["focalLengthSigma"] = query.focal->log_sigma;
-  }
-  return json;
-}
-
-nlohmann::json RigCameraJson(const RigCamera& camera) {
-  const Eigen::Quaterniond& q = camera.cam_from_first.rotation;
-  const Eigen::Vector3d& t = camera.cam_from_first.translation;
-  return {{"camera", CameraJson(camera.camera)},
-          {"camFromFirst",
-           {{"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
-            {"translation", {t.x(), t.y(), t.z()}}}}};
-}
-
-nlohmann::json PriorJson(const PositionPrior& prior) {
-  const Geodetic& position = prior.position;
-  nlohmann::json json = {
-      {"position", {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
-      {"accuracy", prior.accuracy_m}};
-  if (prior.height_sigma_m) {
-    json["altitudeAccuracy"] = *prior.height_sigma_m;
-  }
-  return json;
-}
-
-nlohmann::json OptionsJson(const LocalizeQuery& query, const ClientOptions& client) {
-  nlohmann::json options;
-  options["innerFrame"] = "RDF";
-  options["include"] = {"timings", "covariance"};
-  if (client.image_orientation != ImageOrientation::kAsSize) {
-    options["imageOrientation"] = ImageOrientationName(client.image_orientation);
-  }
-  if (!client.exif_prior) {
-    options["exifPrior"] = false;  // Older servers refuse the member, and have no such prior.
-  }
-  if (client.want_matches) {
-    options["include"].push_back("matches");
-    options["maxMatches"] = kMaxMatches;
-  }
+  wire.prior = query.prior;
+  wire.down_in_cam = query.down_in_cam;
   if (query.deadline) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(
         *query.deadline - std::chrono::steady_clock::now());
-    options["timeoutMs"] = std::clamp<int64_t>(left.count(), 1, kMaxTimeoutMs);
+    wire.timeout_ms = static_cast<int>(std::clamp<int64_t>(left.count(), 1, kMaxTimeoutMs));
   }
-  return options;
-}
-
-std::string RequestJson(const LocalizeQuery& query, const ClientOptions& client) {
-  nlohmann::json json;
-  if (!query.id.empty()) {
-    json["id"] = query.id;
-  }
-  json["camera"] = StatedCameraJson(query);
-  for (const RigCamera& other : query.other_cameras) {
-    json["rig"].push_back(RigCameraJson(other));
-  }
-  if (query.prior) {
-    json["prior"] = PriorJson(*query.prior);
-  }
-  if (query.down_in_cam) {
-    const Eigen::Vector3d& down = *query.down_in_cam;
-    json["gravity"] = {down.x(), down.y(), down.z()};
-  }
-  json["options"] = OptionsJson(query, client);
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  wire.picture = client.image_orientation;
+  wire.exif_prior = client.exif_prior;
+  wire.answer = {.inner_frame = InnerFrame::kRdf,
+                 .max_matches = kMaxMatches,
+                 .with_matches = client.want_matches};
+  return WireRequestJson(wire);
 }
 
 // The body of a refusal; empty if it is not JSON, as in the response of another program.

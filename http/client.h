@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/wire/wire_request.h"
 #include "engine/query/localize_query.h"
 #include "engine/query/localize_result.h"
-#include "http/json/image_orientation.h"
 
 namespace cairn {
 

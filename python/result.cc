@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/geodesy.h"
-#include "http/json/inner_frame.h"
+#include "core/wire/inner_frame.h"
 #include "python/arrays.h"
 #include "python/camera.h"
 #include "python/docs.h"

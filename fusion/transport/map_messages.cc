@@ -2,29 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
+#include <iterator>
 
 #include "core/cell_name.h"
 #include "core/radius68.h"
 #include "core/tile_id.h"
 #include "core/wire/feature_codec.h"
-#include "core/wire/json_reader.h"
 #include "core/wire/multipart.h"
+#include "core/wire/wire_request.h"
+#include "core/wire/wire_response.h"
 
 namespace cairn::fusion {
 namespace {
 
-using Json = nlohmann::json;
-
 // The filter's accuracy may be finer than the server's search grid, so it is limited to this value.
 constexpr double kMinAccuracyM = 1.0;
-
-Json PriorJson(const Geodetic& position, double accuracy_m) {
-  return {
-      {"position", {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
-      {"accuracy", accuracy_m}};
-}
 
 // The position of the prior: the filter's, or else the receiver's.
 std::optional<Geodetic> PriorPosition(const MapQuery& query, const Geodetic& global_origin) {
@@ -35,97 +27,71 @@ std::optional<Geodetic> PriorPosition(const MapQuery& query, const Geodetic& glo
 }
 
 // The prior of the camera's position at `position`, which PriorPosition returned.
-Json PriorOf(const MapQuery& query, const Geodetic& position) {
+PositionPrior PriorOf(const MapQuery& query, const Geodetic& position) {
   if (const auto& prior = query.request.prior) {
     const Eigen::Matrix3d covariance = prior->covariance.bottomRightCorner<3, 3>();
     const double horizontal = std::max(covariance(0, 0), covariance(1, 1));
-    Json json =
-        PriorJson(position, std::max(kMinAccuracyM, kRadius68PerSigma2d * std::sqrt(horizontal)));
-    json["altitudeAccuracy"] = std::max(kMinAccuracyM, std::sqrt(covariance(2, 2)));
-    return json;
+    return {.position = position,
+            .accuracy_m = std::max(kMinAccuracyM, kRadius68PerSigma2d * std::sqrt(horizontal)),
+            .height_sigma_m = std::max(kMinAccuracyM, std::sqrt(covariance(2, 2)))};
   }
-  return PriorJson(position, query.rough_position->accuracy_m);
+  return {.position = position, .accuracy_m = query.rough_position->accuracy_m};
 }
 
 std::string RequestJson(const MapQuery& query, const std::optional<Geodetic>& prior_position,
                         int timeout_ms, int max_matches) {
-  const Eigen::Vector3d& down = query.request.down_in_cam;
-  Json json = {{"id", std::to_string(query.request.query_id)},
-               {"camera",
-                {{"model", CameraModelName(query.camera.model())},
-                 {"size", {query.camera.width_px(), query.camera.height_px()}},
-                 {"modelParams", query.camera.params()}}},
-               {"gravity", {down.x(), down.y(), down.z()}},
-               {"options",
-                {{"innerFrame", "RDF"},
-                 {"timeoutMs", timeout_ms},
-                 {"maxMatches", max_matches},
-                 {"include", {"matches"}}}}};
+  WireRequest wire{.id = std::to_string(query.request.query_id),
+                   .camera = query.camera,
+                   .down_in_cam = query.request.down_in_cam,
+                   .timeout_ms = timeout_ms,
+                   .answer = {.inner_frame = InnerFrame::kRdf,
+                              .max_matches = max_matches,
+                              .with_matches = true,
+                              .with_timings = false,
+                              .with_covariance = false}};
   if (prior_position) {
-    json["prior"] = PriorOf(query, *prior_position);
+    wire.prior = PriorOf(query, *prior_position);
   }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return WireRequestJson(wire);
 }
 
-Geodetic ReadGeodetic(const JsonReader& json) {
-  const Geodetic position = Geodetic::FromDegrees(json.At("lat").Number(), json.At("lon").Number(),
-                                                  json.At("h").Number());
-  ValidateGeodetic(position, "position");
-  return position;
-}
-
-Rigid3d ReadPose(const JsonReader& json, const Rigid3d& global_from_ecef) {
-  if (json.At("innerFrame").String() != "RDF") {
-    json.At("innerFrame").Fail("is another inner frame than asked for");
-  }
-  const JsonReader q = json.At("geopose").At("quaternion");
-  const Eigen::Quaterniond enu_from_cam(q.At("w").Number(), q.At("x").Number(), q.At("y").Number(),
-                                        q.At("z").Number());
-  if (std::abs(enu_from_cam.norm() - 1.0) > 1e-3) {
-    q.Fail("is not of unit length");
-  }
-  const Rigid3d ecef_from_enu = EcefFromEnu(ReadGeodetic(json.At("geopose").At("position")));
-  return global_from_ecef * ecef_from_enu * Rigid3d(enu_from_cam, Eigen::Vector3d::Zero());
-}
-
-MapMatch ReadMatch(const JsonReader& json, const MapQuery& query, const Rigid3d& global_from_anchor,
-                   const std::vector<uint64_t>& tile_ids) {
+MapMatch MatchOf(const WireMatch& wire, const MapQuery& query, const Rigid3d& global_from_anchor,
+                 const std::vector<TileId>& tiles) {
   MapMatch match;
-  match.pixel = {json.At("u").Number(), json.At("v").Number()};
-  const std::vector<double> enu = json.At("enu").Numbers(3, 3);
-  match.x_in_global = global_from_anchor * Eigen::Vector3d(enu[0], enu[1], enu[2]);
-  match.sigma_m = json.At("sigma").Number(0.0, std::numeric_limits<double>::max());
-  match.landmark_id = json.At("landmarkId").Integer(0, kMaxExactInteger);
-  match.tile_id = tile_ids.at(json.At("tile").Integer(0, kMaxExactInteger));
-  const auto keypoint = static_cast<size_t>(json.At("keypoint").Integer(0, kMaxExactInteger));
+  match.pixel = wire.pixel;
+  match.x_in_global = global_from_anchor * wire.x_in_anchor;
+  match.sigma_m = wire.sigma_m;
+  match.landmark_id = wire.landmark_id;
+  match.tile_id = tiles[wire.tile_idx].value();
+  const auto keypoint = static_cast<size_t>(wire.keypoint_idx);
   if (keypoint < query.track_of_keypoint.size()) {
     match.track_id = query.track_of_keypoint[keypoint];
   }
   return match;
 }
 
-Answer ReadAnswer(const JsonReader& json, const MapQuery& query, const Geodetic& global_origin,
-                  int max_matches) {
+// Returns nothing if the server left out what it was asked for.
+std::optional<Answer> AnswerOf(const WireResponse& wire, const MapQuery& query,
+                               const Geodetic& global_origin, int max_matches) {
   Answer answer;
   answer.query_id = query.request.query_id;
-  answer.localized = json.At("status").String() == "LOCALIZED";
+  answer.localized = wire.pose.has_value();
   if (!answer.localized) {
     return answer;
   }
-  const Rigid3d global_from_ecef = EcefFromEnu(global_origin).Inverse();
-  answer.global_from_cam = ReadPose(json, global_from_ecef);
-  std::vector<uint64_t> tile_ids;
-  for (const JsonReader& tile :
-       json.At("map").At("tiles").Elements(0, kAnswerLimits.max_elements)) {
-    tile_ids.push_back(TileId::Parse(tile.String()).value());
+  if (wire.pose->inner_frame != InnerFrame::kRdf || !wire.matches) {
+    return std::nullopt;
   }
-  const Rigid3d global_from_anchor =
-      global_from_ecef * EcefFromEnu(ReadGeodetic(json.At("anchor")));
-  for (const JsonReader& match : json.At("matches").Elements(0, kAnswerLimits.max_elements)) {
+  const Rigid3d global_from_ecef = EcefFromEnu(global_origin).Inverse();
+  const GeoPose& geopose = wire.pose->geopose;  // RDF is the frame of the camera.
+  answer.global_from_cam = global_from_ecef * EcefFromEnu(geopose.position) *
+                           Rigid3d(geopose.enu_from_inner, Eigen::Vector3d::Zero());
+  const Rigid3d global_from_anchor = global_from_ecef * EcefFromEnu(wire.pose->anchor);
+  for (const WireMatch& match : *wire.matches) {
     if (std::ssize(answer.matches) == max_matches) {
       break;
     }
-    answer.matches.push_back(ReadMatch(match, query, global_from_anchor, tile_ids));
+    answer.matches.push_back(MatchOf(match, query, global_from_anchor, wire.tiles));
   }
   return answer;
 }
@@ -158,7 +124,7 @@ std::optional<Answer> ReadMapAnswer(std::string_view json, const MapQuery& query
                                     const Geodetic& global_origin, int max_matches) noexcept {
   try {
     const JsonDocument document = ParseJson(json, kAnswerLimits);
-    return ReadAnswer(JsonReader(document), query, global_origin, max_matches);
+    return AnswerOf(ReadWireResponse(JsonReader(document)), query, global_origin, max_matches);
   } catch (const std::exception&) {
     return std::nullopt;
   }

@@ -11,6 +11,7 @@
 #include "core/cell_name.h"
 #include "core/random.h"
 #include "core/require.h"
+#include "core/wire/wire_request.h"
 #include "http/exchange/bounded_client.h"
 #include "http/exchange/server_url.h"
 
@@ -125,8 +126,9 @@ struct MapTransport::Impl {
   }
 
   Answer Exchange(const MapQuery& query) {
-    MapRequest message = MakeMapRequest(query, options.global_origin,
-                                        std::min(options.timeout_ms, 60'000), options.max_matches);
+    MapRequest message =
+        MakeMapRequest(query, options.global_origin, std::min(options.timeout_ms, kMaxTimeoutMs),
+                       options.max_matches);
     ClientRequest request{.method = "POST",
                           .path = "/v1/localize",
                           .headers = {{"Content-Type", message.content_type}},

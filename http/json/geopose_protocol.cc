@@ -17,11 +17,12 @@
 #include "core/images/photo_camera.h"
 #include "core/wire/accept.h"
 #include "core/wire/base64.h"
+#include "core/wire/json_members.h"
 #include "core/wire/multipart.h"
 #include "core/wire/problem.h"
+#include "core/wire/stated_camera.h"
 #include "http/json/geopose_readings.h"
 #include "http/json/image_orientation.h"
-#include "http/json/stated_camera.h"
 
 namespace cairn {
 namespace {
@@ -183,7 +184,7 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
   }
   const JsonReader& first = pictures.front();
   if (const auto rotation_deg = ReadRotationDeg(first)) {
-    out->answer.answer_from_cam = UprightFromSent(*rotation_deg);
+    out->answer_from_cam = UprightFromSent(*rotation_deg);
   }
   RequestImage image = ReadImage(first);
   StatedCamera stated = ReadCamera(first, &image);
@@ -196,16 +197,12 @@ void ReadCameras(const JsonReader& request, LocalizeRequest* out) {
 }
 
 // The pose of the answered camera as an OGC GeoPose.
-nlohmann::ordered_json GeoPoseJson(const LocalizeResult& result, const ResponseOptions& options) {
-  const Rigid3d answer_from_cam(options.answer_from_cam, Eigen::Vector3d::Zero());
+nlohmann::ordered_json GeoPoseJson(const LocalizeResult& result, const LocalizeRequest& request) {
+  const Rigid3d answer_from_cam(request.answer_from_cam, Eigen::Vector3d::Zero());
   const GeoPose geopose =
-      GeoPoseFromCamera(answer_from_cam * result.cam_from_ecef, options.inner_frame);
-  const Eigen::Quaterniond& q = geopose.enu_from_inner;
-  return {{"position",
-           {{"lat", geopose.position.lat_deg()},
-            {"lon", geopose.position.lon_deg()},
-            {"h", geopose.position.h_m}}},
-          {"quaternion", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}}};
+      GeoPoseFromCamera(answer_from_cam * result.cam_from_ecef, request.answer.inner_frame);
+  return {{"position", GeodeticJson(geopose.position)},
+          {"quaternion", QuaternionJson(geopose.enu_from_inner)}};
 }
 
 std::string Dump(const nlohmann::ordered_json& json) {
@@ -233,7 +230,7 @@ LocalizeRequest ParseGeoPoseRequest(std::string_view content_type, std::string_v
         "[...]}");
   }
   if (const auto id = json.Find("id")) {
-    request.query.id = id->String(128);
+    request.query.id = id->String(kMaxIdLength);
   }
   if (const auto timestamp = json.Find("timestamp")) {
     // Reference clients send fractions of milliseconds.
@@ -253,12 +250,12 @@ std::string GeoPoseResponseJson(const LocalizeResult& result, const LocalizeRequ
   json["type"] = "geopose";
   json["accuracy"] = {{"position", result.EarthAccuracyM()},
                       {"orientation", result.EarthAccuracyRad() * kDegPerRad}};
-  json["geopose"] = GeoPoseJson(result, request.answer);
+  json["geopose"] = GeoPoseJson(result, request);
   return Dump(json);
 }
 
 std::string OgcGeoPoseJson(const LocalizeResult& result, const LocalizeRequest& request) {
-  return Dump(GeoPoseJson(result, request.answer));
+  return Dump(GeoPoseJson(result, request));
 }
 
 std::string GeoPoseContentType(std::string_view accept) {

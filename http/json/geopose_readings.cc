@@ -1,7 +1,5 @@
 #include "http/json/geopose_readings.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,7 +7,8 @@
 
 #include "core/angles.h"
 #include "core/geoid.h"
-#include "http/json/request_members.h"
+#include "core/wire/json_members.h"
+#include "http/json/request_photos.h"
 
 namespace cairn {
 namespace {
@@ -110,16 +109,6 @@ std::optional<Eigen::Vector3d> ReadAtRest(const JsonReader& reading) {
   return acceleration.normalized();
 }
 
-Eigen::Quaterniond ReadRotation(const JsonReader& json) {
-  constexpr double kTolerance = 0.02;
-  const auto component = [&](const char* name) { return json.At(name).Number(-1.01, 1.01); };
-  const Eigen::Quaterniond rotation(component("w"), component("x"), component("y"), component("z"));
-  if (!(std::abs(rotation.norm() - 1.0) <= kTolerance)) {
-    json.Fail(fmt::format("has length {}, not 1", rotation.norm()));
-  }
-  return rotation;
-}
-
 }  // namespace
 
 std::vector<JsonReader> ReadingsOf(const JsonReader& readings, const char* member,
@@ -151,7 +140,7 @@ std::optional<RigPlace> RigPlaceOf(const JsonReader& request, const JsonReader& 
     if (!rig || rig->String().empty() || !rotation) {
       return std::nullopt;
     }
-    RigPlace place{rig->String(), {ReadRotation(*rotation), Eigen::Vector3d::Zero()}};
+    RigPlace place{rig->String(), {ReadQuaternion(*rotation), Eigen::Vector3d::Zero()}};
     if (const auto translation = sensor.Find("rigTranslation")) {
       const auto component = [&](const char* name) {
         return translation->At(name).Number(-RigCamera::kMaxOffsetM, RigCamera::kMaxOffsetM);

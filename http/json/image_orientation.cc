@@ -1,26 +1,10 @@
 #include "http/json/image_orientation.h"
 
-#include "core/check.h"
 #include "core/error.h"
 #include "core/images/exif.h"
 #include "core/images/orient_image.h"
 
 namespace cairn {
-
-std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name) {
-  for (const ImageOrientation orientation :
-       {ImageOrientation::kStored, ImageOrientation::kUpright}) {
-    if (name == ImageOrientationName(orientation)) {
-      return orientation;
-    }
-  }
-  return std::nullopt;
-}
-
-const char* ImageOrientationName(ImageOrientation orientation) {
-  CAIRN_CHECK(orientation != ImageOrientation::kAsSize, "kAsSize has no name");
-  return orientation == ImageOrientation::kStored ? "stored" : "upright";
-}
 
 std::optional<PictureHeader> ReadPictureHeader(std::span<const uint8_t> image_bytes) {
   try {

@@ -5,24 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include "core/camera.h"
 #include "core/images/exif.h"
+#include "core/wire/wire_request.h"
 
 namespace cairn {
-
-// A photo file stores pixels as the sensor read them; its EXIF states how to turn them upright.
-// Camera parameters, gravity, matches and pose all refer to one of these two pictures.
-enum class ImageOrientation {
-  kAsSize,   // The one that has the stated size; the stored picture if both have.
-  kStored,   // The pixels as stored in the file.
-  kUpright,  // The picture as its EXIF turns it.
-};
-
-// The names are "stored" and "upright". A request without a name means kAsSize.
-std::optional<ImageOrientation> ImageOrientationFromName(std::string_view name);
-const char* ImageOrientationName(ImageOrientation orientation);  // kAsSize has no name.
 
 // Size and EXIF orientation of an encoded picture, read from its header.
 struct PictureHeader {

@@ -5,52 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/wire/feature_codec.h"
+#include "core/wire/json_members.h"
 #include "core/wire/multipart.h"
 #include "core/wire/problem.h"
 #include "http/json/part_encoding.h"
-#include "http/json/request_members.h"
-#include "http/json/request_options.h"
-#include "http/json/stated_camera.h"
 
 namespace cairn {
 namespace {
-
-PositionPrior ReadPrior(const JsonReader& json) {
-  json.RequireOnly({"position", "accuracy", "altitudeAccuracy", "altitudeReference"});
-  const JsonReader position = json.At("position");
-  position.RequireOnly({"lat", "lon", "h"});
-  PositionPrior prior;
-  prior.position = ReadGeodetic(position.At("lat"), position.At("lon"), position.Find("h"));
-  if (const auto reference = json.Find("altitudeReference")) {
-    prior.position = WithEllipsoidalHeight(prior.position, ReadHeightReference(*reference));
-  }
-  if (const auto accuracy = json.Find("accuracy")) {
-    prior.accuracy_m = accuracy->Number(1e-3, PositionPrior::kMaxAccuracyM);
-  }
-  if (const auto altitude_accuracy = json.Find("altitudeAccuracy")) {
-    if (!position.Has("h")) {
-      altitude_accuracy->Fail("needs the height position.h");
-    }
-    prior.height_sigma_m = altitude_accuracy->Number(1e-3, PositionPrior::kMaxAccuracyM);
-  }
-  return prior;
-}
-
-Eigen::Vector3d ReadGravity(const JsonReader& json) {
-  const std::vector<double> numbers = json.Numbers(3, 3);
-  const Eigen::Vector3d down(numbers[0], numbers[1], numbers[2]);
-  const double norm = down.norm();
-  if (!(std::abs(norm - 1.0) <= kUnitNormTolerance)) {
-    json.Fail(fmt::format("has length {}, not 1", norm),
-              "send the unit vector that points down in the camera frame (x right, y down, "
-              "z forward)");
-  }
-  return down / norm;
-}
 
 // Decodes the features of one camera. `camera_pointer` points to the camera in the request.
 WireFeatures DecodeFeaturesOf(const Camera& camera, const std::string& camera_pointer,
@@ -94,25 +59,6 @@ void SetRigFeatures(std::span<const uint8_t> blob, size_t index, int max_feature
         fmt::format("the cameras of the rig together have more than {} features", max_features))
         .At(pointer + "/features");
   }
-}
-
-// Reads the other cameras of a rig, without features and images.
-void ReadRig(const JsonReader& json, LocalizeQuery* query) {
-  for (const JsonReader& element : json.Elements(0, LocalizeQuery::kMaxOtherCameras)) {
-    element.RequireOnly({"camera", "camFromFirst", "features", "image"});
-    query->other_cameras.push_back(ReadRigCamera(element));
-  }
-}
-
-// Reads the query's own camera. In a rig, its focal length must also be known.
-void ReadOwnCamera(const JsonReader& json, LocalizeQuery* query) {
-  if (!query->other_cameras.empty()) {
-    query->camera = ReadKnownCamera(json);
-    return;
-  }
-  StatedCamera stated = ReadStatedCamera(json);
-  query->camera = std::move(stated.camera);
-  query->focal = stated.focal;
 }
 
 // JSON members that describe the features must agree with the blob.
@@ -166,30 +112,19 @@ RequestImage ReadJsonImage(const JsonReader& json) {
 
 // Reads everything except images and features.
 LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) {
-  json.RequireOnly(
-      {"id", "timestamp", "camera", "image", "features", "rig", "prior", "gravity", "options"});
+  WireRequest wire = ReadWireRequest(json);
   LocalizeRequest request;
-  request.timeout_ms = limits.default_timeout_ms;
-  if (const auto id = json.Find("id")) {
-    request.query.id = id->String(kMaxIdLength);
-  }
-  if (const auto timestamp = json.Find("timestamp")) {
-    request.timestamp_ms = timestamp->Integer(-kMaxExactInteger, kMaxExactInteger);
-  }
-  const auto rig = json.Find("rig");
-  if (rig) {
-    ReadRig(*rig, &request.query);
-  }
-  ReadOwnCamera(json.At("camera"), &request.query);
-  if (const auto prior = json.Find("prior")) {
-    request.query.prior = ReadPrior(*prior);
-  }
-  if (const auto gravity = json.Find("gravity")) {
-    request.query.down_in_cam = ReadGravity(*gravity);
-  }
-  if (const auto options = json.Find("options")) {
-    ReadOptions(*options, &request);
-  }
+  request.query.id = std::move(wire.id);
+  request.query.camera = std::move(wire.camera);
+  request.query.focal = wire.focal;
+  request.query.other_cameras = std::move(wire.other_cameras);
+  request.query.prior = wire.prior;
+  request.query.down_in_cam = wire.down_in_cam;
+  request.timestamp_ms = wire.timestamp_ms;
+  request.picture = wire.picture;
+  request.exif_prior = wire.exif_prior;
+  request.timeout_ms = wire.timeout_ms.value_or(limits.default_timeout_ms);
+  request.answer = wire.answer;
   return request;
 }
 
@@ -366,13 +301,13 @@ bool TakesLongToParse(std::string_view content_type, std::string_view body) {
 
 int PeekTimeoutMs(std::string_view body, const RequestLimits& limits) {
   // Inside a string, the quotes would be escaped by backslashes.
-  constexpr std::string_view kName = "\"timeoutMs\"";
+  const std::string name = fmt::format("\"{}\"", kTimeoutMember);
   constexpr size_t kMaxBlanks = 64;
-  const size_t at = body.find(kName);
+  const size_t at = body.find(name);
   if (at == std::string_view::npos) {
     return limits.default_timeout_ms;
   }
-  std::string_view rest = body.substr(at + kName.size(), kMaxBlanks);
+  std::string_view rest = body.substr(at + name.size(), kMaxBlanks);
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n:"), rest.size()));
   int timeout_ms = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), timeout_ms);

@@ -2,32 +2,18 @@
 #ifndef CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_
 #define CAIRN_HTTP_JSON_LOCALIZE_REQUEST_H_
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/wire/json_reader.h"
+#include "core/wire/wire_request.h"
 #include "engine/query/localize_query.h"
-#include "http/json/image_orientation.h"
-#include "http/json/inner_frame.h"
 #include "http/json/request_limits.h"
 
 namespace cairn {
-
-// The contents that the client wants in the response. Only GeoPoseResponseJson and OgcGeoPoseJson
-// use `answer_from_cam`.
-struct ResponseOptions {
-  InnerFrame inner_frame = InnerFrame::kFlu;
-  int max_matches = 200;
-  bool with_matches = false;
-  bool with_timings = true;
-  bool with_covariance = true;
-  // Rotates the frame of the query's camera into the frame of the camera whose pose is returned: a
-  // rotation about the optical axis, given by GeoPoseProtocol's imageOrientation.
-  Eigen::Quaterniond answer_from_cam = Eigen::Quaterniond::Identity();
-};
 
 // A picture as sent by the client.
 struct RequestImage {
@@ -50,6 +36,9 @@ struct LocalizeRequest {
   bool exif_prior = true;
   int timeout_ms = 0;
   ResponseOptions answer;
+  // Rotates the frame of the query's camera into the frame of the camera whose pose GeoPoseProtocol
+  // returns: a rotation about the optical axis, given by the protocol's imageOrientation.
+  Eigen::Quaterniond answer_from_cam = Eigen::Quaterniond::Identity();
 
   bool has_images() const { return !images.empty(); }
 };

@@ -1,5 +1,5 @@
 // The limits of requests. engine/query has the limits of a query's values, core/wire those of the
-// binary features and of JSON.
+// members, of the binary features and of JSON.
 #ifndef CAIRN_HTTP_JSON_REQUEST_LIMITS_H_
 #define CAIRN_HTTP_JSON_REQUEST_LIMITS_H_
 
@@ -13,9 +13,6 @@ struct RequestLimits {
   int default_timeout_ms = 2000;
 };
 
-inline constexpr int kMaxTimeoutMs = 60'000;  // Largest timeout that a request may ask for.
-inline constexpr int kMaxMatches = 100'000;   // Largest number of matches in a response.
-inline constexpr size_t kMaxIdLength = 128;
 inline constexpr size_t kMaxReadings = 1000;  // Of one sensor in a GeoPoseRequest.
 // A longer body may wait for its turn before it is parsed; see TakesLongToParse.
 inline constexpr size_t kMaxShortJsonBytes = size_t{64} << 10;

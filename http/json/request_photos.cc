@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/geoid.h"
 #include "core/images/photo_camera.h"
-#include "http/json/request_members.h"
+#include "http/json/image_orientation.h"
 
 namespace cairn {
 namespace {

@@ -10,6 +10,11 @@
 
 namespace cairn {
 
+// The accuracy of a position whose source does not state one: 68 % radius, meters. A phone's GPS is
+// within 5 m under the open sky; between houses, and while a camera app waits for its first fix,
+// errors of some tens of meters are common.
+inline constexpr double kUnknownAccuracyM = 25.0;
+
 // The position in a photo's EXIF as a prior, with the stated error or else kUnknownAccuracyM, and
 // with a height above the ellipsoid. EXIF does not state how accurate the height is, so the height
 // does not count. Returns nothing if the photo has no position, or one with an error of more than

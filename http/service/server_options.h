@@ -9,6 +9,7 @@
 
 #include "core/features/sift/sift_extractor.h"
 #include "core/images/gray_image.h"
+#include "core/wire/wire_request.h"
 #include "engine/localizer_options.h"
 #include "http/json/request_limits.h"
 

@@ -17,9 +17,9 @@
 #include "core/error.h"
 #include "core/images/orient_image.h"
 #include "core/wire/base64.h"
+#include "core/wire/inner_frame.h"
 #include "eval/pictures/encode_png.h"
 #include "http/client.h"
-#include "http/json/inner_frame.h"
 #include "support/exif_bytes.h"
 #include "support/temp_dir.h"
 

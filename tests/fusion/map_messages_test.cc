@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,8 @@
 #include "core/error.h"
 #include "core/tile_id.h"
 #include "core/wire/multipart.h"
+#include "core/wire/wire_response.h"
+#include "http/json/localize_request.h"
 
 namespace cairn::fusion {
 namespace {
@@ -41,29 +44,22 @@ Json RequestOf(const MapQuery& query) {
   return Json::parse(parts.at(0).content);
 }
 
-// A camera 2 m east of the origin, level, that looks north.
-Json AnswerJson() {
+// What a server answers: a camera 2 m east of the origin, level, that looks north.
+WireResponse Response() {
   const Geodetic position = GeodeticFromEcef(EcefFromEnu(kOrigin) * Eigen::Vector3d(2.0, 0.0, 0.0));
   const double half = std::sqrt(0.5);
-  return {
-      {"status", "LOCALIZED"},
-      {"innerFrame", "RDF"},
-      {"geopose",
-       {{"position",
-         {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
-        {"quaternion", {{"x", -half}, {"y", 0.0}, {"z", 0.0}, {"w", half}}}}},
-      {"anchor", {{"lat", position.lat_deg()}, {"lon", position.lon_deg()}, {"h", position.h_m}}},
-      {"map", {{"version", 1}, {"tiles", {"32N-03104-35120"}}}},
-      {"matches",
-       {{{"u", 10.5},
-         {"v", 20.5},
-         {"landmarkId", 5},
-         {"enu", {1.0, 7.0, 3.0}},
-         {"sigma", 0.04},
-         {"error", 0.5},
-         {"keypoint", 1},
-         {"tile", 0}}}}};
+  const GeoPose geopose{position, Eigen::Quaterniond(half, -half, 0.0, 0.0)};
+  return {.pose = WirePose{.geopose = geopose, .inner_frame = InnerFrame::kRdf, .anchor = position},
+          .matches = {{WireMatch{.pixel = {10.5, 20.5},
+                                 .landmark_id = 5,
+                                 .x_in_anchor = {1.0, 7.0, 3.0},
+                                 .sigma_m = 0.04,
+                                 .keypoint_idx = 1}}},
+          .map_version = 1,
+          .tiles = {TileId::Parse("32N-03104-35120")}};
 }
+
+Json AnswerJson() { return WireResponseJson(Response()); }
 
 TEST(MapMessages, TheCellIsThatOfThePrior) {
   MapQuery query = QueryOf(1);
@@ -100,6 +96,36 @@ TEST(MapMessages, RequestSaysWhatTheFilterKnows) {
   const Geodetic place = Geodetic::FromDegrees(position["lat"], position["lon"], position["h"]);
   const Eigen::Vector3d x_in_global = EcefFromEnu(kOrigin).Inverse() * EcefFromGeodetic(place);
   EXPECT_LT((x_in_global - prior.global_from_cam.translation).norm(), 1e-6);
+}
+
+TEST(MapMessages, TheServerReadsTheRequestAsItIsMeant) {
+  MapQuery query = QueryOf(3);
+  PosePrior prior;
+  prior.covariance = Matrix6d::Identity() * 4.0;
+  query.request.prior = prior;
+  const MapRequest sent = MakeMapRequest(query, kOrigin, 1234, 77);
+  const LocalizeRequest read = ParseLocalizeRequest(sent.content_type, sent.body, {});
+  EXPECT_EQ(read.query.id, "17");
+  EXPECT_EQ(read.query.camera.model(), query.camera.model());
+  EXPECT_EQ(read.query.camera.width_px(), 640);
+  EXPECT_EQ(read.query.camera.height_px(), 480);
+  EXPECT_EQ(read.query.camera.params(), query.camera.params());
+  EXPECT_FALSE(read.query.focal);
+  EXPECT_EQ(read.query.codec, query.codec);
+  EXPECT_EQ(read.query.features.size(), 3);
+  ASSERT_TRUE(read.query.prior);
+  EXPECT_NEAR(read.query.prior->position.lat_rad, kOrigin.lat_rad, 1e-12);
+  EXPECT_NEAR(read.query.prior->position.lon_rad, kOrigin.lon_rad, 1e-12);
+  EXPECT_NEAR(read.query.prior->position.h_m, kOrigin.h_m, 1e-6);
+  EXPECT_NEAR(read.query.prior->accuracy_m, 1.51 * 2.0, 1e-3);
+  EXPECT_EQ(read.query.prior->height_sigma_m, 2.0);
+  EXPECT_EQ(read.query.down_in_cam, query.request.down_in_cam);
+  EXPECT_EQ(read.timeout_ms, 1234);
+  EXPECT_EQ(read.answer.inner_frame, InnerFrame::kRdf);
+  EXPECT_EQ(read.answer.max_matches, 77);
+  EXPECT_TRUE(read.answer.with_matches);
+  EXPECT_FALSE(read.answer.with_timings);
+  EXPECT_FALSE(read.answer.with_covariance);
 }
 
 TEST(MapMessages, RoughPositionServesUntilThereIsAPrior) {
@@ -147,11 +173,21 @@ TEST(MapMessages, NoMoreMatchesAreTakenThanWereAskedFor) {
 }
 
 TEST(MapMessages, NoPoseIsAnAnswer) {
-  const auto answer = ReadMapAnswer(R"({"status":"NOT_LOCALIZED","reason":"NO_COVERAGE"})",
-                                    QueryOf(1), kOrigin, kMaxMatches);
+  const Json json = WireResponseJson({.reason = "NO_COVERAGE"});
+  const auto answer = ReadMapAnswer(json.dump(), QueryOf(1), kOrigin, kMaxMatches);
   ASSERT_TRUE(answer);
   EXPECT_FALSE(answer->localized);
   EXPECT_EQ(answer->query_id, 17);
+}
+
+TEST(MapMessages, AnswersInAnotherFrameOrWithoutMatchesAreNone) {
+  ASSERT_TRUE(ReadMapAnswer(AnswerJson().dump(), QueryOf(3), kOrigin, kMaxMatches));
+  WireResponse response = Response();
+  response.pose->inner_frame = InnerFrame::kFlu;
+  EXPECT_FALSE(ReadMapAnswer(WireResponseJson(response).dump(), QueryOf(3), kOrigin, kMaxMatches));
+  response = Response();
+  response.matches.reset();
+  EXPECT_FALSE(ReadMapAnswer(WireResponseJson(response).dump(), QueryOf(3), kOrigin, kMaxMatches));
 }
 
 TEST(MapMessages, MembersThatAreMissingOrWrongMakeNoAnswer) {

@@ -8,9 +8,12 @@
 #include <condition_variable>
 #include <latch>
 #include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
 #include <thread>
 
 #include "core/error.h"
+#include "core/wire/wire_response.h"
 #include "http/server_fixture.h"
 #include "street_query.h"
 #include "support/canned_server.h"
@@ -63,6 +66,9 @@ MapQuery SmallQuery(int64_t query_id) {
   query.features.keypoints.push_back({10.0f, 10.0f, 1.0f, 0.0f});
   return query;
 }
+
+// What a server answers that has no pose.
+std::string Miss() { return WireResponseJson({.reason = "NO_COVERAGE"}).dump(); }
 
 MapTransportOptions OptionsFor(const std::string& url, ManualClock* clock) {
   MapTransportOptions options;
@@ -203,7 +209,7 @@ TEST(MapTransport, SuccessEndsTheBackOff) {
   std::atomic<bool> healthy = false;
   const CannedServer server([&](const httplib::Request&, httplib::Response& response) {
     response.status = healthy ? 200 : 503;
-    response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
+    response.set_content(Miss(), "application/json");
   });
   ManualClock clock;
   Answers answers;
@@ -225,7 +231,7 @@ TEST(MapTransport, SendsTheCellThatTheLastAnswerNamed) {
   const CannedServer server([&](const httplib::Request& request, httplib::Response& response) {
     cells.push_back(request.get_header_value("X-Cairn-Cell"));
     response.set_header("X-Cairn-Cell", cells.size() == 1 ? "32N-00388-04390" : "no name");
-    response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
+    response.set_content(Miss(), "application/json");
   });
   ManualClock clock;
   Answers answers;
@@ -352,7 +358,7 @@ TEST(MapTransport, QueueIsBounded) {
       asked.count_down();
     }
     go_on.wait();
-    response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
+    response.set_content(Miss(), "application/json");
   });
   ManualClock clock;
   MapTransportOptions options = OptionsFor(server.url(), &clock);
@@ -373,7 +379,7 @@ TEST(MapTransport, QueueIsBounded) {
 
 TEST(MapTransport, QueriesAreRateLimited) {
   const CannedServer server([](const httplib::Request&, httplib::Response& response) {
-    response.set_content(R"({"status":"NOT_LOCALIZED"})", "application/json");
+    response.set_content(Miss(), "application/json");
   });
   ManualClock clock;
   MapTransportOptions options = OptionsFor(server.url(), &clock);

@@ -1,4 +1,4 @@
-#include "http/json/inner_frame.h"
+#include "core/wire/inner_frame.h"
 
 #include <gtest/gtest.h>
 

@@ -10,6 +10,62 @@
 namespace cairn {
 namespace {
 
+// Counters that differ from each other, and every other flag.
+StageCounters SomeCounters() {
+  return {.num_keypoints = 1,
+          .num_tiles_found = 4,
+          .num_tiles_searched = 3,
+          .num_tiles_loaded = 5,
+          .num_places_searched = 2,
+          .num_descriptors = 6,
+          .num_distances = 7,
+          .num_matches = 8,
+          .num_matched_keypoints = 9,
+          .num_votes = 12345,
+          .num_candidates = 10,
+          .num_ransac_iterations = 11,
+          .num_refined_keyframes = 12,
+          .num_rematches = 13,
+          .used_prior = false,
+          .used_gravity = true,
+          .tile_limit_hit = true,
+          .tiles_cut_short = false,
+          .matching_cut_short = true,
+          .pose_cut_short = false,
+          .refinement_cut_short = true};
+}
+
+// The structured binding names every member, so that a new one does not compile until it is
+// compared here.
+void ExpectEqual(const StageCounters& a, const StageCounters& b) {
+  const auto& [num_keypoints, num_tiles_found, num_tiles_searched, num_tiles_loaded,
+               num_places_searched, num_descriptors, num_distances, num_matches,
+               num_matched_keypoints, num_votes, num_candidates, num_ransac_iterations,
+               num_refined_keyframes, num_rematches, used_prior, used_gravity, tile_limit_hit,
+               tiles_cut_short, matching_cut_short, pose_cut_short, refinement_cut_short] = a;
+  EXPECT_EQ(num_keypoints, b.num_keypoints);
+  EXPECT_EQ(num_tiles_found, b.num_tiles_found);
+  EXPECT_EQ(num_tiles_searched, b.num_tiles_searched);
+  EXPECT_EQ(num_tiles_loaded, b.num_tiles_loaded);
+  EXPECT_EQ(num_places_searched, b.num_places_searched);
+  EXPECT_EQ(num_descriptors, b.num_descriptors);
+  EXPECT_EQ(num_distances, b.num_distances);
+  EXPECT_EQ(num_matches, b.num_matches);
+  EXPECT_EQ(num_matched_keypoints, b.num_matched_keypoints);
+  EXPECT_EQ(num_votes, b.num_votes);
+  EXPECT_EQ(num_candidates, b.num_candidates);
+  EXPECT_EQ(num_ransac_iterations, b.num_ransac_iterations);
+  EXPECT_EQ(num_refined_keyframes, b.num_refined_keyframes);
+  EXPECT_EQ(num_rematches, b.num_rematches);
+  EXPECT_EQ(used_prior, b.used_prior);
+  EXPECT_EQ(used_gravity, b.used_gravity);
+  EXPECT_EQ(tile_limit_hit, b.tile_limit_hit);
+  EXPECT_EQ(tiles_cut_short, b.tiles_cut_short);
+  EXPECT_EQ(matching_cut_short, b.matching_cut_short);
+  EXPECT_EQ(pose_cut_short, b.pose_cut_short);
+  EXPECT_EQ(refinement_cut_short, b.refinement_cut_short);
+}
+
 LocalizeResult SomeResult() {
   LocalizeResult result;
   result.localized = true;
@@ -30,6 +86,7 @@ LocalizeResult SomeResult() {
   result.prior_disagrees = true;
   for (int i = 0; i < 10; ++i) {
     result.matches.push_back({.keypoint_idx = 3 * i,
+                              .camera_idx = i % 4,
                               .pixel = {10.5 * i, 20.25},
                               .landmark_id = LandmarkId(1000 + i),
                               .tile_idx = i % 2,
@@ -39,12 +96,9 @@ LocalizeResult SomeResult() {
                               .traits = {.error_px = 0.5 * i}});
   }
   result.map_version = MapVersion(42);
-  result.tiles = {TileId::Containing(result.anchor)};
-  result.counters.num_tiles_found = 4;
-  result.counters.num_places_searched = 2;
-  result.counters.num_votes = 12345;
-  result.counters.used_gravity = true;
-  result.counters.matching_cut_short = true;
+  result.map_is_stale = true;
+  result.tiles = {TileId::Parse("32N-03104-35120"), TileId::Containing(result.anchor)};
+  result.counters = SomeCounters();
   result.times.seconds[static_cast<int>(Stage::kPose)] = 0.00125;
   result.times.total_seconds = 0.02;
   return result;
@@ -79,20 +133,23 @@ TEST(LocalizeResponse, RoundTripsThroughTheWire) {
     EXPECT_EQ(out.false_alarm_rate, in.false_alarm_rate);
     EXPECT_EQ(out.prior_disagrees, in.prior_disagrees);
     EXPECT_EQ(out.map_version, in.map_version);
+    EXPECT_TRUE(out.map_is_stale);
+    EXPECT_LT((EcefFromGeodetic(out.position) - EcefFromGeodetic(in.position)).norm(), 1e-6);
+    EXPECT_LT((EcefFromGeodetic(out.anchor) - EcefFromGeodetic(in.anchor)).norm(), 1e-6);
     EXPECT_EQ(out.tiles, in.tiles);
-    EXPECT_EQ(out.counters.num_tiles_found, 4);
-    EXPECT_EQ(out.counters.num_places_searched, 2);
-    EXPECT_EQ(out.counters.num_votes, 12345);
-    EXPECT_TRUE(out.counters.used_gravity);
-    EXPECT_FALSE(out.counters.used_prior);
-    EXPECT_TRUE(out.counters.matching_cut_short);
-    EXPECT_FALSE(out.counters.tiles_cut_short);
+    ExpectEqual(in.counters, out.counters);
     EXPECT_NEAR(out.times.seconds[static_cast<int>(Stage::kPose)], 0.00125, 1e-12);
+    EXPECT_NEAR(out.times.total_seconds, in.times.total_seconds, 1e-12);
     ASSERT_EQ(out.matches.size(), in.matches.size());
     EXPECT_EQ(out.matches[3].keypoint_idx, 9);
     EXPECT_EQ(out.matches[3].pixel, in.matches[3].pixel);
     EXPECT_EQ(out.matches[3].landmark_id, in.matches[3].landmark_id);
     EXPECT_EQ(out.matches[3].x_in_anchor, in.matches[3].x_in_anchor);
+    EXPECT_EQ(out.matches[3].tile_idx, 1);
+    EXPECT_EQ(out.matches[3].sigma_m, in.matches[3].sigma_m);
+    EXPECT_EQ(out.matches[3].right_probability, in.matches[3].right_probability);
+    EXPECT_EQ(out.matches[3].traits.error_px, in.matches[3].traits.error_px);
+    EXPECT_EQ(out.matches[3].camera_idx, 3);
   }
 }
 
@@ -175,6 +232,7 @@ TEST(LocalizeResponse, AMissHasAReasonAndNoPose) {
   LocalizeResult result = SomeResult();
   result.localized = false;
   result.reason = NotLocalizedReason::kTooFewMatches;
+  result.reason_text = "the map knows too little of the photo";
   const std::string text = LocalizeResponseJson(result, SomeRequest(), {});
   const auto json = nlohmann::json::parse(text);
   EXPECT_EQ(json["status"], "NOT_LOCALIZED");
@@ -183,6 +241,7 @@ TEST(LocalizeResponse, AMissHasAReasonAndNoPose) {
   const LocalizeResult out = ParseLocalizeResponse(text);
   EXPECT_FALSE(out.localized);
   EXPECT_EQ(out.reason, NotLocalizedReason::kTooFewMatches);
+  EXPECT_EQ(out.reason_text, result.reason_text);
 }
 
 TEST(LocalizeResponse, ClientRefusesWhatIsNoAnswer) {

@@ -1,4 +1,4 @@
-#include "http/json/stated_camera.h"
+#include "core/wire/stated_camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,8 @@
-// Reads the camera of a request and the uncertainty of its focal length.
-#ifndef CAIRN_HTTP_JSON_STATED_CAMERA_H_
-#define CAIRN_HTTP_JSON_STATED_CAMERA_H_
+// The camera of a request and the uncertainty of its focal length.
+#ifndef CAIRN_CORE_WIRE_STATED_CAMERA_H_
+#define CAIRN_CORE_WIRE_STATED_CAMERA_H_
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 #include "core/camera.h"
@@ -16,7 +17,7 @@ struct ImageSize {
 
 struct StatedCamera {
   Camera camera;
-  std::optional<FocalPrior> focal;  // Same meaning as LocalizeQuery::focal.
+  std::optional<FocalPrior> focal;  // Empty if the focal length is known.
 };
 
 // Reads an object with `size` ([width, height]) and, as far as the client knows them, `model`,
@@ -26,7 +27,14 @@ struct StatedCamera {
 // JSON pointer of the member at fault.
 StatedCamera ReadStatedCamera(const JsonReader& camera);
 
-// Reads an object with `model`, `size` and `modelParams`. The focal length must be known.
+// What ReadStatedCamera reads. If the distortion is unknown too, only the size is stated. A focal
+// prior that comes with parameters is stated as a standard deviation, however large, because the
+// reader replaces an "unknown" focal length by its own guess.
+nlohmann::ordered_json StatedCameraJson(const Camera& camera,
+                                        const std::optional<FocalPrior>& focal);
+
+// An object with `model`, `size` and `modelParams`. The focal length must be known.
+nlohmann::ordered_json CameraJson(const Camera& camera);
 Camera ReadKnownCamera(const JsonReader& camera);
 
 // Reads members that may come from different objects. Without `params`, the camera is unknown.
@@ -37,4 +45,4 @@ ImageSize ReadImageSize(const JsonReader& size);
 
 }  // namespace cairn
 
-#endif  // CAIRN_HTTP_JSON_STATED_CAMERA_H_
+#endif  // CAIRN_CORE_WIRE_STATED_CAMERA_H_

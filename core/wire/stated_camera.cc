@@ -1,6 +1,6 @@
-#include "http/json/stated_camera.h"
+#include "core/wire/stated_camera.h"
 
-#include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -8,6 +8,8 @@
 
 namespace cairn {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr char kUnknown[] = "unknown";
 
@@ -33,6 +35,10 @@ bool SaysUnknown(const JsonReader& focal_length) {
                       "focalLengthSigma");
   }
   return true;
+}
+
+Json ImageSizeJson(const Camera& camera) {
+  return Json::array({camera.width_px(), camera.height_px()});
 }
 
 }  // namespace
@@ -82,6 +88,23 @@ StatedCamera ReadStatedCamera(const JsonReader& camera) {
     stated = {WithoutFocal(stated.camera), FocalPrior()};
   }
   return stated;
+}
+
+Json StatedCameraJson(const Camera& camera, const std::optional<FocalPrior>& focal) {
+  if (focal && focal->with_distortion) {
+    return {{"size", ImageSizeJson(camera)}, {"focalLength", kUnknown}};
+  }
+  Json json = CameraJson(camera);
+  if (focal) {
+    json["focalLengthSigma"] = focal->log_sigma;
+  }
+  return json;
+}
+
+Json CameraJson(const Camera& camera) {
+  return {{"model", CameraModelName(camera.model())},
+          {"size", ImageSizeJson(camera)},
+          {"modelParams", camera.params()}};
 }
 
 Camera ReadKnownCamera(const JsonReader& camera) {

@@ -1,6 +1,6 @@
 // Inner frames of an OGC GeoPose: the axes that the quaternion of an answer rotates.
-#ifndef CAIRN_HTTP_JSON_INNER_FRAME_H_
-#define CAIRN_HTTP_JSON_INNER_FRAME_H_
+#ifndef CAIRN_CORE_WIRE_INNER_FRAME_H_
+#define CAIRN_CORE_WIRE_INNER_FRAME_H_
 
 #include <Eigen/Geometry>
 #include <optional>
@@ -42,4 +42,4 @@ Rigid3d CameraFromGeoPose(const GeoPose& geopose, InnerFrame frame);  // Returns
 
 }  // namespace cairn
 
-#endif  // CAIRN_HTTP_JSON_INNER_FRAME_H_
+#endif  // CAIRN_CORE_WIRE_INNER_FRAME_H_
