@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/file_bytes.h"
 #include "core/images/gray_image.h"
+#include "ingest/colmap/colmap_model.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 
@@ -41,12 +42,21 @@ MappingOptions FewFeatures(int max_features) {
 
 using PositionOfPhoto = std::map<std::string, Eigen::Vector3d>;
 
-// Distances of the camera centers from the truth, after the similarity that fits best.
-Eigen::VectorXd CenterErrors(const Reconstruction& model, const PositionOfPhoto& truth) {
-  Eigen::Matrix3Xd found(3, model.images.size()), wanted(3, model.images.size());
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    found.col(i) = model.images[i].cam_from_world.Inverse().translation;
-    wanted.col(i) = truth.at(model.images[i].name);
+PositionOfPhoto CentersOf(const Reconstruction& model) {
+  PositionOfPhoto centers;
+  for (const ReconImage& image : model.images) {
+    centers[image.name] = image.cam_from_world.Inverse().translation;
+  }
+  return centers;
+}
+
+// Distances of the centers from the truth, in its units, after the similarity that fits best.
+Eigen::VectorXd CenterErrors(const PositionOfPhoto& centers, const PositionOfPhoto& truth) {
+  Eigen::Matrix3Xd found(3, centers.size()), wanted(3, centers.size());
+  Eigen::Index i = 0;
+  for (const auto& [name, center] : centers) {
+    found.col(i) = center;
+    wanted.col(i++) = truth.at(name);
   }
   const Eigen::Matrix4d fit = Eigen::umeyama(found, wanted, /*with_scaling=*/true);
   return (((fit.topLeftCorner<3, 3>() * found).colwise() + fit.topRightCorner<3, 1>()) - wanted)
@@ -77,7 +87,7 @@ TEST(MapPhotos, IsAsNearTheLaserScanAsColmap) {
   const MappedPhotos mapped = MapPhotos(FountainInput(), FewFeatures(2500), {});
   ASSERT_EQ(mapped.num_mapped, 11);
   EXPECT_TRUE(mapped.left_out.empty());
-  const Eigen::VectorXd errors = CenterErrors(mapped.model, LaserScanOfTheFountain());
+  const Eigen::VectorXd errors = CenterErrors(CentersOf(mapped.model), LaserScanOfTheFountain());
   EXPECT_LE(errors.mean(), 1.25 * 0.0024);
   EXPECT_LE(errors.maxCoeff(), 2.0 * 0.0038);
 }
@@ -167,7 +177,7 @@ TEST(MapPhotos, FindsTheFocalLengthOfADriveByGrowingAgain) {
   const MappedPhotos first = MapPhotos(input, MappingOptions(), {});
   EXPECT_EQ(first.num_mapped, 20);
   EXPECT_NEAR(first.cameras.at(0).camera.focal_px(), 718.9, 0.04 * 718.9);
-  EXPECT_LT(CenterErrors(first.model, TruthOfTheDrive()).maxCoeff(), 0.2);
+  EXPECT_LT(CenterErrors(CentersOf(first.model), TruthOfTheDrive()).maxCoeff(), 0.2);
   EXPECT_FALSE(IsFromWork(first, "matching again"));
 
   // As if the run was killed before its segments were kept.
@@ -181,6 +191,45 @@ TEST(MapPhotos, FindsTheFocalLengthOfADriveByGrowingAgain) {
     EXPECT_EQ(second.model.images[i].cam_from_world.ToMatrix(),
               first.model.images[i].cam_from_world.ToMatrix());
   }
+}
+
+TEST(MapPhotosOfAStreet, AllAreInWhereColmapHasThem) {
+  constexpr const char* kStreet = "street_lund";
+  CAIRN_SKIP_WITHOUT_DATA(kStreet);
+  const std::filesystem::path folder = testing::TestDataDir() / kStreet;
+  MapPhotosInput input;
+  input.paths = {folder / "images"};
+  input.num_threads = 2;
+  const MappedPhotos mapped = MapPhotos(input, FewFeatures(2500), {});
+  EXPECT_EQ(mapped.num_mapped, 29);
+  PositionOfPhoto colmap;
+  for (const ColmapImage& image : ReadColmapModel((folder / "colmap_model").string()).images) {
+    colmap[image.name] = image.cam_from_world.Inverse().translation;
+  }
+  EXPECT_LT(CenterErrors(colmap, CentersOf(mapped.model)).maxCoeff(), 1.0);  // Meters.
+}
+
+// Ten photos by ten people, without EXIF, each with a camera of its own. Nobody knows their
+// positions, and these place nothing.
+TEST(MapPhotosOfTourists, AreOneSegment) {
+  constexpr const char* kPhotos = "sacre_coeur10/datasets/sacre_coeur/mapping";
+  CAIRN_SKIP_WITHOUT_DATA(kPhotos);
+  const testing::TempDir dir;
+  std::ofstream positions(dir.File("positions.csv"));
+  positions << "image,lat_deg,lon_deg,h_m\n";
+  MapPhotosInput input;
+  input.paths = {(testing::TestDataDir() / kPhotos).string()};
+  for (const auto& photo : std::filesystem::directory_iterator(input.paths.front())) {
+    positions << fmt::format("{},{},2.3431,120\n", photo.path().filename().string(),
+                             48.8862 + 1e-5 * static_cast<double>(photo.file_size() % 5));
+  }
+  positions.close();
+  input.positions_path = dir.File("positions.csv");
+  input.keeps_unplaced = true;
+  input.num_threads = 2;
+  const MappedPhotos mapped = MapPhotos(input, FewFeatures(2500), {});
+  ASSERT_EQ(mapped.unplaced.size(), 1u);
+  EXPECT_EQ(mapped.unplaced[0].segment.photo_of_image.size(), 10u);
 }
 
 // Programs that edit photos leave them beside the originals: brighter, and without EXIF. An
