@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <exception>
-#include <mutex>
 #include <utility>
 
 #include "fusion/client/published.h"
@@ -12,7 +11,6 @@
 namespace cairn::fusion {
 namespace {
 
-constexpr size_t kMaxInbox = 32;
 constexpr int64_t kMaxAheadNs = 500'000'000;
 constexpr int64_t kMaxBehindNs = 50'000'000;
 
@@ -110,26 +108,12 @@ void CarryOn(const ImuSample& reading, int64_t duration_ns, const FusionOptions&
 
 struct FusionClient::Impl {
   explicit Impl(const FusionOptions& client_options) : options(client_options), estimator(options) {
-    inbox.reserve(kMaxInbox);
     channel.Store(Pack({estimator.latest(), last_imu}));
-  }
-
-  // Passes the answers to the estimator. Answers for which the estimator has no room wait for the
-  // next call.
-  void DrainInbox() {
-    const std::lock_guard<std::mutex> lock(inbox_mutex);
-    auto next = inbox.begin();
-    while (next != inbox.end() && estimator.has_room_for_answer()) {
-      estimator.Submit(std::move(*next++));
-    }
-    inbox.erase(inbox.begin(), next);
   }
 
   const FusionOptions options;
   Estimator estimator;
   ImuSample last_imu;
-  std::mutex inbox_mutex;
-  std::vector<Answer> inbox;  // Guarded by inbox_mutex.
   Channel channel;
 };
 
@@ -146,7 +130,6 @@ FusionClient::CreateResult FusionClient::Create(const FusionOptions& options) no
 
 ImuStatus FusionClient::AddImu(std::span<const ImuSample> samples) noexcept {
   ImuStatus first_failure = ImuStatus::kAccepted;
-  impl_->DrainInbox();
   for (const ImuSample& sample : samples) {
     const ImuStatus status = impl_->estimator.AddImu(sample);
     if (status == ImuStatus::kAccepted || status == ImuStatus::kRestarted) {
@@ -161,7 +144,6 @@ ImuStatus FusionClient::AddImu(std::span<const ImuSample> samples) noexcept {
 }
 
 FrameStatus FusionClient::AddFrame(const Frame& frame) noexcept {
-  impl_->DrainInbox();
   const FrameStatus status = impl_->estimator.AddFrame(frame);
   impl_->channel.Store(Pack({impl_->estimator.latest(), impl_->last_imu}));
   return status;
@@ -170,12 +152,7 @@ FrameStatus FusionClient::AddFrame(const Frame& frame) noexcept {
 std::optional<Query> FusionClient::PollQuery() noexcept { return impl_->estimator.PollQuery(); }
 
 SubmitStatus FusionClient::Submit(Answer answer) noexcept {
-  const std::lock_guard<std::mutex> lock(impl_->inbox_mutex);
-  if (impl_->inbox.size() == kMaxInbox) {
-    return SubmitStatus::kQueueFull;
-  }
-  impl_->inbox.push_back(std::move(answer));
-  return SubmitStatus::kQueued;
+  return impl_->estimator.Submit(std::move(answer));
 }
 
 std::vector<AnswerReport> FusionClient::TakeReports() noexcept {

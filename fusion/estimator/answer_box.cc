@@ -1,7 +1,6 @@
 #include "fusion/estimator/answer_box.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace cairn::fusion {
@@ -12,7 +11,8 @@ constexpr size_t kMaxReports = 64;
 }  // namespace
 
 SubmitStatus AnswerBox::Submit(Answer answer) {
-  if (!has_room()) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (inbox_.size() == kMaxInbox) {
     return SubmitStatus::kQueueFull;
   }
   inbox_.push_back(std::move(answer));
@@ -20,9 +20,12 @@ SubmitStatus AnswerBox::Submit(Answer answer) {
 }
 
 std::vector<Answer> AnswerBox::TakeAll() {
-  std::vector<Answer> answers(std::make_move_iterator(inbox_.begin()),
-                              std::make_move_iterator(inbox_.end()));
-  inbox_.clear();
+  std::vector<Answer> answers;
+  answers.reserve(kMaxInbox);  // The next inbox. Submit does not wait for the allocation.
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    answers.swap(inbox_);
+  }
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.query_id < b.query_id; });
   return answers;

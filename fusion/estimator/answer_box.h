@@ -3,21 +3,20 @@
 #define CAIRN_FUSION_ESTIMATOR_ANSWER_BOX_H_
 
 #include <deque>
+#include <mutex>
 #include <vector>
 
 #include "fusion/estimator/fusion_types.h"
 
 namespace cairn::fusion {
 
-// The constructor allocates room for all answers, so that Submit does not allocate. Not
-// thread-safe.
+// Submit may be called from any thread; it does not allocate, and waits for no longer than the move
+// of one answer takes. Call all else from one thread.
 class AnswerBox {
  public:
   AnswerBox() { inbox_.reserve(kMaxInbox); }
 
-  // False while 32 answers wait.
-  bool has_room() const { return inbox_.size() < kMaxInbox; }
-
+  // Refuses the answer while 32 answers wait.
   SubmitStatus Submit(Answer answer);
 
   // Removes and returns all answers, in the order of their queries, so that the order of arrival
@@ -32,7 +31,8 @@ class AnswerBox {
  private:
   static constexpr size_t kMaxInbox = 32;
 
-  std::vector<Answer> inbox_;
+  std::mutex mutex_;
+  std::vector<Answer> inbox_;  // Guarded by mutex_.
   std::deque<AnswerReport> reports_;
 };
 

@@ -37,7 +37,7 @@ struct EstimatorCounters {
 };
 
 // Deterministic: the same calls give the same estimates, bit for bit. The options bound the memory.
-// Only the constructor throws, Error(kInvalidArgument). Not thread-safe.
+// Only the constructor throws, Error(kInvalidArgument). Not thread-safe, but for Submit.
 //
 // Starter finds the first state. From then on, ProcessFrame updates the state with each frame, Head
 // propagates it with each sample, and MapAnswers queries the map and applies the answers.
@@ -57,9 +57,9 @@ class Estimator {
   // Returns a query of the newest frame if a query is due.
   std::optional<Query> PollQuery();
 
-  // Queues an answer. The next frame applies all queued answers, in the order of their queries.
+  // Queues an answer, from any thread. The next frame applies all queued answers, in the order of
+  // their queries. While 32 answers wait, it refuses others.
   SubmitStatus Submit(Answer answer) { return answers_.Submit(std::move(answer)); }
-  bool has_room_for_answer() const { return answers_.has_room(); }
 
   // Returns the outcomes of the answers since the last call, at most the last 64.
   std::vector<AnswerReport> TakeReports() { return answers_.TakeReports(); }

@@ -30,7 +30,8 @@ struct AlignmentCounts {
 // frame. Before the alignment, answers wait until enough of them agree (AlignmentCandidates).
 // Afterwards, each answer updates the state (MatchUpdates) or contradicts it (Contradictions).
 // Until the answer to a query has been applied or given up, the observations of the queried frame
-// stay reserved in the TrackTable, and the frame's clone must stay in the state. Not thread-safe.
+// stay reserved in the TrackTable, and the frame's clone must stay in the state. Not thread-safe,
+// but for Submit.
 class MapAnswers {
  public:
   explicit MapAnswers(const FusionOptions& options);
@@ -39,7 +40,7 @@ class MapAnswers {
   // observations.
   std::optional<Query> Poll(const FilterState& state, TrackTable* tracks);
 
-  bool has_room() const { return box_.has_room(); }
+  // May be called from any thread.
   SubmitStatus Submit(Answer answer) { return box_.Submit(std::move(answer)); }
   std::vector<AnswerReport> TakeReports() { return box_.TakeReports(); }
 
