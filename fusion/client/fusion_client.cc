@@ -1,7 +1,11 @@
 #include "fusion/client/fusion_client.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "fusion/client/published.h"
@@ -20,63 +24,73 @@ struct Snapshot {
   ImuSample last_imu;
 };
 
-// Visits every number of a snapshot, in a fixed order.
-template <typename SnapshotType, typename Visitor>
-void VisitNumbers(SnapshotType& snapshot, const Visitor& visit) {
+// References to all matrices of a snapshot, in a fixed order.
+template <typename SnapshotType>
+auto MatricesOf(SnapshotType& snapshot) {
   auto& estimate = snapshot.estimate;
-  const auto pose = [&visit](auto& value) {
-    visit(value.rotation.coeffs().data(), 4);
-    visit(value.translation.data(), 3);
+  const auto pose = [](auto& value) {
+    return std::tie(value.rotation.coeffs(), value.translation);
   };
-  pose(estimate.imu.local_from_imu);
-  visit(estimate.imu.velocity_in_local.data(), 3);
-  visit(estimate.imu.gyro_bias.data(), 3);
-  visit(estimate.imu.accel_bias.data(), 3);
-  visit(estimate.covariance.data(), kImuDim * kImuDim);
-  pose(estimate.global_from_local);
-  visit(estimate.global_covariance.data(), 36);
-  pose(estimate.global_from_imu);
-  visit(estimate.global_from_imu_covariance.data(), 36);
-  pose(estimate.steady_global_from_imu);
-  visit(snapshot.last_imu.gyro_rad_s.data(), 3);
-  visit(snapshot.last_imu.accel_m_s2.data(), 3);
+  return std::tuple_cat(pose(estimate.imu.local_from_imu),
+                        std::tie(estimate.imu.velocity_in_local, estimate.imu.gyro_bias,
+                                 estimate.imu.accel_bias, estimate.covariance),
+                        pose(estimate.global_from_local), std::tie(estimate.global_covariance),
+                        pose(estimate.global_from_imu),
+                        std::tie(estimate.global_from_imu_covariance),
+                        pose(estimate.steady_global_from_imu),
+                        std::tie(snapshot.last_imu.gyro_rad_s, snapshot.last_imu.accel_m_s2));
 }
 
-constexpr size_t kNumNumbers = 4 * 7 + 9 + kImuDim * kImuDim + 2 * 36 + 6;
-// The numbers are followed by the mode with has_global, the epoch, and the timestamp in two halves.
+template <typename... Matrices>
+constexpr size_t CountNumbers(std::type_identity<std::tuple<Matrices&...>>) {
+  static_assert(((Matrices::SizeAtCompileTime > 0) && ...), "each matrix has a fixed size");
+  return (size_t{Matrices::SizeAtCompileTime} + ...);
+}
+constexpr size_t kNumNumbers =
+    CountNumbers(std::type_identity<decltype(MatricesOf(std::declval<Snapshot&>()))>());
+
+// The rest of a snapshot: the mode with has_global, the epoch, and the timestamp in two halves.
 // Each of these is exact as a double.
-using Channel = Published<kNumNumbers + 4>;
+using Scalars = std::array<double, 4>;
+
+Scalars ScalarsOf(const Estimate& estimate) {
+  return {static_cast<double>(static_cast<int>(estimate.mode) * 2 + (estimate.has_global ? 1 : 0)),
+          static_cast<double>(estimate.epoch), static_cast<double>(estimate.timestamp_ns >> 32),
+          static_cast<double>(estimate.timestamp_ns & 0xffffffff)};
+}
+
+void SetScalars(const Scalars& scalars, Estimate* estimate) {
+  const auto [mode, epoch, high, low] = scalars;
+  estimate->mode = static_cast<Mode>(static_cast<int>(mode) / 2);
+  estimate->has_global = static_cast<int>(mode) % 2 != 0;
+  estimate->epoch = static_cast<int64_t>(epoch);
+  estimate->timestamp_ns = (static_cast<int64_t>(high) << 32) + static_cast<int64_t>(low);
+}
+
+using Channel = Published<kNumNumbers + std::tuple_size_v<Scalars>>;
 
 Channel::Words Pack(const Snapshot& snapshot) {
   Channel::Words words;
-  size_t next = 0;
-  VisitNumbers(snapshot, [&](const double* numbers, size_t count) {
-    for (size_t i = 0; i < count; ++i) {
-      words[next++] = numbers[i];
-    }
-  });
-  words[next++] = static_cast<double>(static_cast<int>(snapshot.estimate.mode) * 2 +
-                                      (snapshot.estimate.has_global ? 1 : 0));
-  words[next++] = static_cast<double>(snapshot.estimate.epoch);
-  words[next++] = static_cast<double>(snapshot.estimate.timestamp_ns >> 32);
-  words[next++] = static_cast<double>(snapshot.estimate.timestamp_ns & 0xffffffff);
+  auto* next = words.data();
+  const auto write = [&](const auto& numbers) {
+    next = std::copy_n(numbers.data(), numbers.size(), next);
+  };
+  std::apply([&](const auto&... matrices) { (write(matrices), ...); }, MatricesOf(snapshot));
+  write(ScalarsOf(snapshot.estimate));
   return words;
 }
 
 Snapshot Unpack(const Channel::Words& words) {
   Snapshot snapshot;
-  size_t next = 0;
-  VisitNumbers(snapshot, [&](double* numbers, size_t count) {
-    for (size_t i = 0; i < count; ++i) {
-      numbers[i] = words[next++];
-    }
-  });
-  const int mode = static_cast<int>(words[next++]);
-  snapshot.estimate.mode = static_cast<Mode>(mode / 2);
-  snapshot.estimate.has_global = mode % 2 != 0;
-  snapshot.estimate.epoch = static_cast<int64_t>(words[next++]);
-  const auto high = static_cast<int64_t>(words[next++]);
-  snapshot.estimate.timestamp_ns = (high << 32) + static_cast<int64_t>(words[next++]);
+  const auto* next = words.data();
+  const auto read = [&](auto& numbers) {
+    std::copy_n(next, numbers.size(), numbers.data());
+    next += numbers.size();
+  };
+  std::apply([&](auto&... matrices) { (read(matrices), ...); }, MatricesOf(snapshot));
+  Scalars scalars;
+  read(scalars);
+  SetScalars(scalars, &snapshot.estimate);
   return snapshot;
 }
 

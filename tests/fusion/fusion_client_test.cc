@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <span>
 #include <thread>
 #include <vector>
 
 #include "fusion/client/published.h"
+#include "fusion/estimator/estimator.h"
 #include "fusion/simulation.h"
 
 namespace cairn::fusion::testing {
@@ -26,8 +28,8 @@ Simulation WalkFromRest(uint64_t seed = 1) {
 }
 
 // Runs the client over the simulation; answers come two frames late.
-template <typename Callback>
-void Feed(const Simulation& simulation, FusionClient* client, const Callback& after_frame) {
+template <typename Client, typename Callback>
+void Feed(const Simulation& simulation, Client* client, const Callback& after_frame) {
   size_t next_imu = 0;
   std::vector<std::pair<size_t, Answer>> in_flight;
   for (size_t i = 0; i < simulation.frames().size(); ++i) {
@@ -140,6 +142,54 @@ TEST(FusionClient, ReplaysBitForBit) {
             estimates[1].steady_global_from_imu.rotation.coeffs());
   EXPECT_EQ(estimates[0].steady_global_from_imu.translation,
             estimates[1].steady_global_from_imu.translation);
+}
+
+// The client's estimator alone.
+struct BareEstimator : Estimator {
+  using Estimator::Estimator;
+  void AddImu(std::span<const ImuSample> samples) {
+    for (const ImuSample& sample : samples) {
+      Estimator::AddImu(sample);
+    }
+  }
+};
+
+void ExpectSame(const Rigid3d& a, const Rigid3d& b) {
+  EXPECT_EQ(a.rotation.coeffs(), b.rotation.coeffs());
+  EXPECT_EQ(a.translation, b.translation);
+}
+
+// The structured bindings name every member, so that a new one does not compile until it is
+// compared here.
+TEST(FusionClient, PublishesTheWholeEstimate) {
+  const Simulation simulation = WalkFromRest();
+  FusionOptions options = simulation.MatchingFusionOptions();
+  options.steady.time_constant_s = 5.0;
+  const auto [client, error] = FusionClient::Create(options);
+  ASSERT_NE(client, nullptr) << error;
+  BareEstimator estimator(options);
+  Feed(simulation, client.get(), [](size_t) {});
+  Feed(simulation, &estimator, [](size_t) {});
+  const Estimate published = client->Latest();
+  const auto& [mode, timestamp_ns, epoch, imu, covariance, has_global, global_from_local,
+               global_covariance, global_from_imu, global_from_imu_covariance,
+               steady_global_from_imu] = estimator.latest();
+  ASSERT_TRUE(has_global);
+  EXPECT_EQ(published.mode, mode);
+  EXPECT_EQ(published.timestamp_ns, timestamp_ns);
+  EXPECT_EQ(published.epoch, epoch);
+  const auto& [local_from_imu, velocity_in_local, gyro_bias, accel_bias] = imu;
+  ExpectSame(published.imu.local_from_imu, local_from_imu);
+  EXPECT_EQ(published.imu.velocity_in_local, velocity_in_local);
+  EXPECT_EQ(published.imu.gyro_bias, gyro_bias);
+  EXPECT_EQ(published.imu.accel_bias, accel_bias);
+  EXPECT_EQ(published.covariance, covariance);
+  EXPECT_EQ(published.has_global, has_global);
+  ExpectSame(published.global_from_local, global_from_local);
+  EXPECT_EQ(published.global_covariance, global_covariance);
+  ExpectSame(published.global_from_imu, global_from_imu);
+  EXPECT_EQ(published.global_from_imu_covariance, global_from_imu_covariance);
+  ExpectSame(published.steady_global_from_imu, steady_global_from_imu);
 }
 
 TEST(FusionClient, ServesReadersAndSubmittersOnOtherThreads) {
