@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
+#include "core/file_bytes.h"
 #include "core/wire/json_error.h"
 #include "core/wire/wire_request.h"
 #include "core/wire/wire_response.h"
@@ -346,6 +348,42 @@ TEST(WireResponse, RefusesAQuaternionThatIsNoRotation) {
   WireResponse response = FullResponse();
   response.pose->geopose.enu_from_inner.coeffs() *= 1.01;
   EXPECT_THROW(ReadBack(response), JsonError);
+}
+
+std::set<std::string> NamesOf(const nlohmann::json& object) {
+  std::set<std::string> names;
+  for (const auto& [name, value] : object.items()) {
+    names.insert(name);
+  }
+  return names;
+}
+
+// What openapi.json says of a message.
+nlohmann::json DescriptionOf(const std::string& message) {
+  const std::string text =
+      ReadTextFile(std::string(CAIRN_SOURCE_DIR) + "/http/openapi.json", uint64_t{1} << 20);
+  return nlohmann::json::parse(text)["components"]["schemas"][message]["properties"];
+}
+
+TEST(WireRequest, HasTheMembersThatAreDescribed) {
+  WireRequest request = FullRequest();
+  request.other_cameras.resize(1);
+  const auto json = nlohmann::json::parse(WireRequestJson(request));
+  const nlohmann::json described = DescriptionOf("LocalizeRequest");
+  std::set<std::string> names = NamesOf(json);
+  names.insert({"image", "features"});
+  EXPECT_EQ(names, NamesOf(described));
+  EXPECT_EQ(NamesOf(json["options"]), NamesOf(described["options"]["properties"]));
+}
+
+TEST(WireResponse, HasTheMembersThatAreDescribed) {
+  const nlohmann::json json = WireResponseJson(FullResponse());
+  const nlohmann::json described = DescriptionOf("LocalizeResponse");
+  std::set<std::string> names = NamesOf(json);
+  names.insert({"reasonText", "stages"});
+  EXPECT_EQ(names, NamesOf(described));
+  EXPECT_EQ(NamesOf(json["camera"]), NamesOf(described["camera"]["properties"]));
+  EXPECT_EQ(NamesOf(json["matches"][1]), NamesOf(DescriptionOf("Match")));
 }
 
 }  // namespace
