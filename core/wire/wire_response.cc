@@ -47,10 +47,13 @@ void AddNumbers(const NumberField<Struct> (&fields)[kSize], const Struct& from, 
   }
 }
 
+// Numbers that describe, and without which a device can use the answer, may be missing.
 template <typename Struct, size_t kSize>
 void ReadNumbers(const NumberField<Struct> (&fields)[kSize], const JsonReader& json, Struct* to) {
   for (const NumberField<Struct>& field : fields) {
-    to->*field.value = json.At(field.name).Number();
+    if (const auto number = json.Find(field.name)) {
+      to->*field.value = number->Number();
+    }
   }
 }
 
@@ -122,8 +125,10 @@ WirePose ReadPose(const JsonReader& json) {
   }
   WirePose pose{.geopose = ReadGeoPose(json.At("geopose")),
                 .inner_frame = *frame,
-                .anchor = ReadGeodetic(json.At("anchor")),
-                .accuracy = ReadAccuracy(json.At("accuracy"))};
+                .anchor = ReadGeodetic(json.At("anchor"))};
+  if (const auto accuracy = json.Find("accuracy")) {
+    pose.accuracy = ReadAccuracy(*accuracy);
+  }
   if (const auto on_earth = json.Find("accuracyOnEarth")) {
     pose.accuracy_on_earth = ReadAccuracy(*on_earth);
   }
@@ -135,8 +140,12 @@ WirePose ReadPose(const JsonReader& json) {
     pose.camera = ReadCameraEstimate(*camera);
   }
   ReadNumbers(kPoseNumbers, json, &pose);
-  pose.prior_disagrees = json.At("priorDisagrees").Bool();
-  pose.num_inliers = json.At("inlierCount").Integer(0, kMaxExactInteger);
+  if (const auto disagrees = json.Find("priorDisagrees")) {
+    pose.prior_disagrees = disagrees->Bool();
+  }
+  if (const auto count = json.Find("inlierCount")) {
+    pose.num_inliers = count->Integer(0, kMaxExactInteger);
+  }
   return pose;
 }
 
@@ -204,7 +213,9 @@ Json MapJson(const WireResponse& response) {
 }
 
 void ReadMap(const JsonReader& json, WireResponse* response) {
-  response->map_version = json.At("version").Integer(0, kMaxExactInteger);
+  if (const auto version = json.Find("version")) {
+    response->map_version = version->Integer(0, kMaxExactInteger);
+  }
   for (const JsonReader& tile : json.At("tiles").Elements(0, kAnswerLimits.max_elements)) {
     response->tiles.push_back(TileId::Parse(tile.String()));
   }
@@ -264,7 +275,9 @@ WireResponse ReadWireResponse(const JsonReader& json) {
   if (const auto turned = json.Find("imageOrientation")) {
     response.is_upright = turned->String() == ImageOrientationName(ImageOrientation::kUpright);
   }
-  ReadMap(json.At("map"), &response);
+  if (const auto map = json.Find("map")) {
+    ReadMap(*map, &response);
+  }
   if (const auto matches = json.Find("matches")) {
     response.matches.emplace();
     for (const JsonReader& match : matches->Elements(0, kAnswerLimits.max_elements)) {

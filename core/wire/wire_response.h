@@ -75,8 +75,9 @@ struct WireResponse {
 // Returns the members; the caller may add others. Text may hold bytes that are not UTF-8.
 nlohmann::ordered_json WireResponseJson(const WireResponse& response);
 
-// Throws JsonError with the pointer of the member at fault, and Error(kBadInput) if a tile's name
-// is none. Numbers have the ranges that the structures state.
+// Reads also responses of older servers, without members that describe a pose or a match but do not
+// place them. Throws JsonError with the pointer of the member at fault, and Error(kBadInput) if a
+// tile's name is none. Numbers have the ranges that the structures state.
 WireResponse ReadWireResponse(const JsonReader& json);
 
 }  // namespace cairn

@@ -172,6 +172,25 @@ TEST(MapMessages, NoMoreMatchesAreTakenThanWereAskedFor) {
   EXPECT_EQ(answer->matches.size(), static_cast<size_t>(kMaxMatches));
 }
 
+TEST(MapMessages, AnAnswerNeedsOnlyWhatPlacesItsMatches) {
+  Json json = AnswerJson();
+  for (const char* name : {"id", "prior", "accuracy", "confidence", "score", "falseAlarmRate",
+                           "priorDisagrees", "inlierCount"}) {
+    ASSERT_EQ(json.erase(name), 1u) << name;
+  }
+  json["map"].erase("version");
+  json["matches"][0].erase("error");
+  json["matches"][0].erase("probability");
+  const auto answer = ReadMapAnswer(json.dump(), QueryOf(3), kOrigin, kMaxMatches);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->matches.size(), 1u);
+  for (const char* name : {"status", "geopose", "innerFrame", "anchor", "matches"}) {
+    Json incomplete = json;
+    ASSERT_EQ(incomplete.erase(name), 1u) << name;
+    EXPECT_FALSE(ReadMapAnswer(incomplete.dump(), QueryOf(3), kOrigin, kMaxMatches)) << name;
+  }
+}
+
 TEST(MapMessages, NoPoseIsAnAnswer) {
   const Json json = WireResponseJson({.reason = "NO_COVERAGE"});
   const auto answer = ReadMapAnswer(json.dump(), QueryOf(1), kOrigin, kMaxMatches);
