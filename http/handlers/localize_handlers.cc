@@ -86,28 +86,27 @@ HttpResponse GeoPoseResponse(const LocalizeService::Answer& answer, const std::s
   return response;
 }
 
+// A body is parsed unless its turn has not come in time.
+LocalizeService::Answer AnswerQuery(const HttpRequest& request, BodyParser& parse,
+                                    LocalizeService* service) {
+  LocalizeService::Visit visit = service->Receive(request);
+  if (visit.is_late()) {
+    return service->AnswerLate(visit);
+  }
+  return service->Localize(std::move(visit), parse(request.Header("content-type"), request.body,
+                                                   service->request_limits()));
+}
+
 }  // namespace
 
 HttpResponse HandleLocalize(const HttpRequest& request, LocalizeService* service) {
-  LocalizeService::Visit visit = service->Receive(request);
-  const LocalizeService::Answer answer =
-      visit.is_late()
-          ? service->AnswerLate(visit)
-          : service->Localize(std::move(visit),
-                              ParseLocalizeRequest(request.Header("content-type"), request.body,
-                                                   service->request_limits()));
+  const LocalizeService::Answer answer = AnswerQuery(request, ParseLocalizeRequest, service);
   return WithHeaders(LocalizeResponse(answer, request.Header("accept")), answer.result,
                      answer.request.query);
 }
 
 HttpResponse HandleGeoPose(const HttpRequest& request, LocalizeService* service) {
-  LocalizeService::Visit visit = service->Receive(request);
-  const LocalizeService::Answer answer =
-      visit.is_late()
-          ? service->AnswerLate(visit)
-          : service->Localize(std::move(visit),
-                              ParseGeoPoseRequest(request.Header("content-type"), request.body,
-                                                  service->request_limits()));
+  const LocalizeService::Answer answer = AnswerQuery(request, ParseGeoPoseRequest, service);
   return WithHeaders(GeoPoseResponse(answer, request.Header("accept")), answer.result,
                      answer.request.query);
 }
