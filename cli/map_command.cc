@@ -59,7 +59,7 @@ void RequireAllInMap(const std::vector<MapSessionResult>& results) {
   for (const MapSessionResult& result : results) {
     if (!result.is_in_map) {
       missing.push_back(Excerpt(result.name));
-      code = result.is_mapped ? ErrorCode::kConflict : code;
+      code = result.mapped.num_mapped > 0 ? ErrorCode::kConflict : code;
     }
   }
   if (!missing.empty()) {

@@ -278,7 +278,11 @@ std::string Figures(const MappedPhotos& mapped) {
   std::string text =
       fmt::format("{} of {} photos in the model", mapped.num_mapped, mapped.num_photos);
   for (const SegmentReport& segment : mapped.segments) {
-    if (segment.problem.empty()) {
+    if (segment.problem.empty() && segment.is_placed_by_map) {
+      text += fmt::format("; {} answers of the map, {:.2f} m median",
+                          segment.georegistration.num_positions,
+                          segment.georegistration.median_residual_m);
+    } else if (segment.problem.empty()) {
       text += fmt::format("; {} observations, {:.2f} px, positions {:.2f} m median",
                           segment.adjustment.num_observations, segment.adjustment.rms_px,
                           segment.georegistration.median_residual_m);

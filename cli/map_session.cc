@@ -127,7 +127,10 @@ PlacedReconstruction SessionOf(const MapSessionArguments& arguments, const Sessi
     options.agreement.unanchored = Unanchored::kRefuse;
   }
   options.fitting = SessionFitting::kAdjust;
-  options.georef_median_residual_m = session.georegistration.median_residual_m;
+  // Positions that place nothing are as good as they state.
+  options.georef_median_residual_m = mapped->num_mapped > 0
+                                         ? session.georegistration.median_residual_m
+                                         : session.georegistration.stated_accuracy_m;
   if (options.agreement.position_accuracy_m == 0.0) {
     options.agreement.position_accuracy_m = session.georegistration.stated_accuracy_m;
   }

@@ -93,11 +93,20 @@ bool FollowsMap(const MapSessionResult& result) {
   return result.is_in_map && !result.report.is_unchanged && IsJudged(result.report.comparison);
 }
 
+const char* ScaleSource(const MapSessionResult& result) {
+  if (FollowsMap(result)) {
+    return "map";
+  }
+  return result.mapped.num_mapped > 0 ? "positions" : "unknown";
+}
+
 void PrintScale(const MapSessionResult& result) {
   const auto& segments = result.mapped.segments;
   const bool moved_apart = std::ranges::any_of(
       segments, [](const SegmentReport& segment) { return segment.moved_by_map_m > 0.0; });
-  if (!FollowsMap(result)) {
+  if (result.mapped.num_mapped == 0) {
+    fmt::print("scale            unknown\n");
+  } else if (!FollowsMap(result)) {
     fmt::print("scale            from the positions\n");
   } else if (moved_apart) {
     fmt::print("scale            from the map\n");
@@ -111,7 +120,7 @@ nlohmann::ordered_json MappedPhotosJson(const MapSessionResult& result) {
   const MappedPhotos& mapped = result.mapped;
   nlohmann::ordered_json json = {{"found", mapped.num_photos},
                                  {"mapped", mapped.num_mapped},
-                                 {"scale", FollowsMap(result) ? "map" : "positions"},
+                                 {"scale", ScaleSource(result)},
                                  {"notes", mapped.notes}};
   json["leftOut"] = nlohmann::ordered_json::array();
   for (const LeftOutPhoto& photo : mapped.left_out) {
@@ -122,7 +131,10 @@ nlohmann::ordered_json MappedPhotosJson(const MapSessionResult& result) {
     nlohmann::ordered_json entry = {{"photos", segment.num_photos}};
     if (segment.problem.empty()) {
       entry["placedBy"] = segment.is_placed_by_map ? "map" : "positions";
-      if (!segment.is_placed_by_map) {
+      if (segment.is_placed_by_map) {
+        entry["answers"] = segment.georegistration.num_positions;
+        entry["medianResidualM"] = segment.georegistration.median_residual_m;
+      } else {
         entry["observations"] = segment.adjustment.num_observations;
         entry["rmsPx"] = segment.adjustment.rms_px;
         entry["georegistration"] = GeoregistrationJson(segment.georegistration);

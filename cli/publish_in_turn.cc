@@ -71,8 +71,10 @@ void PublishInTurn(const PublishOne& publish, bool map_is_empty,
   }
   if (std::none_of(sessions->begin(), sessions->end(),
                    [](const MapSessionResult& session) { return session.is_in_map; })) {
-    const bool is_mapped = std::any_of(sessions->begin(), sessions->end(), IsWaiting);
-    ThrowNone(*sessions, is_mapped ? ErrorCode::kConflict : ErrorCode::kBadInput);
+    const bool has_place =
+        std::any_of(sessions->begin(), sessions->end(),
+                    [](const MapSessionResult& session) { return session.mapped.num_mapped > 0; });
+    ThrowNone(*sessions, has_place ? ErrorCode::kConflict : ErrorCode::kBadInput);
   }
 }
 

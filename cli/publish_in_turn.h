@@ -15,7 +15,7 @@ namespace cairn {
 // A session of photos, and what became of it.
 struct MapSessionResult {
   std::string name;
-  bool is_mapped = false;        // The photos became a model with a place.
+  bool is_mapped = false;        // The photos became a model, or segments that a map may place.
   MappedPhotos mapped;           // Without its model, which is in `session`.
   PlacedReconstruction session;  // As it was published.
   bool is_in_map = false;
@@ -37,8 +37,8 @@ void SortSessions(std::vector<MapSessionResult>* sessions);
 // over new ground waits for those that connect it. A session that the map refuses
 // (SessionRefused) is tried again when the map has grown, and else keeps the refusal as its
 // problem. A session that is alone is tried once, and its refusal thrown. If no session is
-// published, throws Error with the problems of all: kConflict if the map refused one, else
-// kBadInput.
+// published, throws Error with the problems of all: kConflict if the map refused one
+// that has a place, else kBadInput.
 void PublishInTurn(const PublishOne& publish, bool map_is_empty,
                    std::vector<MapSessionResult>* sessions);
 

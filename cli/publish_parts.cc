@@ -64,7 +64,9 @@ void ReportPhotos(const Parts& parts, const std::vector<std::string>& names,
 void AddPlaced(const UnplacedSegment& segment, const PlacementByMap& placement,
                MapSessionResult* result) {
   SegmentReport& report = result->mapped.segments[static_cast<size_t>(segment.number)];
-  report.problem.clear();
+  result->mapped.notes.push_back(fmt::format("the map places {} photos whose positions do not: {}",
+                                             segment.segment.photo_of_image.size(),
+                                             std::exchange(report.problem, "")));
   report.is_placed_by_map = true;
   report.georegistration.num_positions = placement.num_agreeing;
   report.georegistration.num_inliers = placement.num_agreeing;
@@ -100,7 +102,7 @@ std::set<int> PlaceUnplaced(const MapSnapshot& map, MapSessionResult* result) {
   return placed;
 }
 
-// Moves the segments of the model to where the map sees them; those that may not stay leave it.
+// Moves the segments of the model to where the map sees them; those that FitParts refuses leave it.
 void FitAll(const MapSnapshot& map, const std::set<int>& placed_by_map, MapSessionResult* result) {
   PlacedReconstruction& session = result->session;
   std::vector<std::string> names;
@@ -133,6 +135,7 @@ IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
   if (!placed_by_map.empty() || !IsOnePart(fitted.mapped.segment_of_image)) {
     FitAll(map, placed_by_map, &fitted);
   }
+  fitted.mapped.unplaced.clear();
   IngestReport report = PublishAsPlaced(publish, fitted);
   *result = std::move(fitted);
   return report;

@@ -51,8 +51,23 @@ void Compare(const Reconstruction& part, const Sim3d& ecef_from_world, const Kno
   }
 }
 
-// Without an anchored part, the ingest decides: on the part with the most images if the map was
-// asked about any of them.
+// Whether the anchored parts decide who stays. Those that only the map placed decide if they have
+// more images than the parts that their positions place: a few photos of a corner shall not keep a
+// walk over new ground out.
+bool AnchoredDecide(const Parts& parts) {
+  size_t num_placed = 0, num_anchored_by_map = 0;
+  for (const auto& [number, part] : parts) {
+    if (!part.needs_map && part.problem.empty()) {
+      return true;
+    }
+    size_t& count = part.needs_map ? num_anchored_by_map : num_placed;
+    count += !part.needs_map || part.problem.empty() ? part.images.size() : 0;
+  }
+  return num_anchored_by_map > num_placed;
+}
+
+// Otherwise the ingest decides: on the placed part with the most images if the map was asked about
+// any of them.
 void KeepSome(Parts* parts) {
   const auto placed = [](const auto& part) { return !part.second.needs_map; };
   const bool were_asked = std::ranges::any_of(*parts, [&](const auto& part) {
@@ -61,8 +76,11 @@ void KeepSome(Parts* parts) {
   const auto largest = std::ranges::max_element(
       *parts, {}, [&](const auto& part) { return placed(part) ? part.second.images.size() : 0; });
   for (auto part = parts->begin(); part != parts->end(); ++part) {
+    std::string& problem = part->second.problem;
     if (placed(*part) && (!were_asked || part == largest)) {
-      part->second.problem.clear();
+      problem.clear();
+    } else if (problem.empty()) {
+      problem = "the map sees it, but not the parts that stand by their positions";
     }
   }
 }
@@ -107,7 +125,7 @@ std::map<int, SessionPart> FitParts(const MapSnapshot& map, const std::vector<in
     Compare(SelectImages(*reconstruction, part.images), ecef_from_world, known, others, options,
             &part);
   }
-  if (std::ranges::any_of(parts, [](const auto& part) { return part.second.problem.empty(); })) {
+  if (AnchoredDecide(parts)) {
     MoveParts(parts, part_of_image, ecef_from_world, reconstruction);
   } else {
     KeepSome(&parts);

@@ -26,14 +26,20 @@ struct SessionPart {
 };
 
 // An ingest moves a session as one piece, which is wrong for several parts. This moves each of them
-// by itself; `part_of_image` has the number of each image's part, `placed_by_map` those that
-// nothing else places. A part that the map anchors and does not contradict (RequireAgreement,
-// Unanchored::kRefuseAlways) moves by the motion of its comparison; other parts, also those without
-// a landmark that is good enough (PlaceSession), leave the reconstruction. If the map anchors no
-// part, nothing moves, and those that the map placed leave; of the others, all stay if the map is
-// too far away to be asked about any of them, and else only the one with the most images. A session
-// of the map with the name of `options` has no say. Returns the parts by number. Throws what the
-// engine throws on a damaged map.
+// by itself. `part_of_image` has the number of each image's part, `placed_by_map` the numbers of
+// those that their positions do not place.
+//
+// A part that the map anchors and does not contradict (RequireAgreement, Unanchored::kRefuseAlways)
+// moves by the motion of its comparison. Other parts leave the reconstruction, also those without a
+// landmark that is good enough (PlaceSession).
+//
+// If the map anchors no part, nothing moves. Parts that the map placed leave. Of the others, all
+// stay if the map is too far away to be asked about any of them; else only the one with the most
+// images stays. So it is, too, if the map anchors only parts that it placed, and these have fewer
+// images than the others.
+//
+// A session of the map with the name of `options` has no say. Returns the parts by number. Throws
+// what the engine throws on a damaged map.
 std::map<int, SessionPart> FitParts(const MapSnapshot& map, const std::vector<int>& part_of_image,
                                     const std::set<int>& placed_by_map,
                                     const Sim3d& ecef_from_world, const IngestOptions& options,

@@ -125,10 +125,8 @@ WirePose ReadPose(const JsonReader& json) {
   }
   WirePose pose{.geopose = ReadGeoPose(json.At("geopose")),
                 .inner_frame = *frame,
-                .anchor = ReadGeodetic(json.At("anchor"))};
-  if (const auto accuracy = json.Find("accuracy")) {
-    pose.accuracy = ReadAccuracy(*accuracy);
-  }
+                .anchor = ReadGeodetic(json.At("anchor")),
+                .accuracy = ReadAccuracy(json.At("accuracy"))};
   if (const auto on_earth = json.Find("accuracyOnEarth")) {
     pose.accuracy_on_earth = ReadAccuracy(*on_earth);
   }
@@ -158,15 +156,15 @@ Json UsedPriorJson(const std::optional<PositionPrior>& prior) {
           {"accuracy", prior->accuracy_m}};
 }
 
-PositionPrior ReadUsedPrior(const JsonReader& json) {
-  const JsonReader name = json.At("source");
-  const auto source = PriorSourceFromName(name.String());
+// Nothing if the server knows a source that this program does not know.
+std::optional<PositionPrior> ReadUsedPrior(const JsonReader& json) {
+  const auto source = PriorSourceFromName(json.At("source").String());
   if (!source) {
-    name.Fail("is unknown");
+    return std::nullopt;
   }
-  return {.position = ReadGeodetic(json.At("position")),
-          .accuracy_m = json.At("accuracy").Number(),
-          .source = *source};
+  return PositionPrior{.position = ReadGeodetic(json.At("position")),
+                       .accuracy_m = json.At("accuracy").Number(),
+                       .source = *source};
 }
 
 Json MatchJson(const WireMatch& match) {
@@ -216,8 +214,10 @@ void ReadMap(const JsonReader& json, WireResponse* response) {
   if (const auto version = json.Find("version")) {
     response->map_version = version->Integer(0, kMaxExactInteger);
   }
-  for (const JsonReader& tile : json.At("tiles").Elements(0, kAnswerLimits.max_elements)) {
-    response->tiles.push_back(TileId::Parse(tile.String()));
+  if (const auto tiles = json.Find("tiles")) {
+    for (const JsonReader& tile : tiles->Elements(0, kAnswerLimits.max_elements)) {
+      response->tiles.push_back(TileId::Parse(tile.String()));
+    }
   }
   if (const auto stale = json.Find("stale")) {
     response->map_is_stale = stale->Bool();
@@ -263,8 +263,8 @@ WireResponse ReadWireResponse(const JsonReader& json) {
   }
   if (json.At("status").String() == kLocalized) {
     response.pose = ReadPose(json);
-  } else {
-    response.reason = json.At("reason").String();
+  } else if (const auto reason = json.Find("reason")) {
+    response.reason = reason->String();
   }
   if (const auto text = json.Find("reasonText")) {
     response.reason_text = text->String();

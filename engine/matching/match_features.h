@@ -27,11 +27,11 @@ struct FeatureMatches {
 
 // For each keypoint, returns the k best landmarks over all tiles that pass the filters. A landmark
 // in several tiles counts once (its nearest copy). Results are ordered by keypoint, then distance,
-// then landmark id. `workers` (may be null) share the work by ranges of
-// keypoints; the result does not depend on them. Polls `should_stop`; once it returns true, the
-// search ends with the correspondences found so far. Throws Error(kInternal) unless all tiles share
-// the codebook with which the query's descriptors were projected. The check compares codebook ids
-// among the tiles, and the dimension with the query.
+// then landmark id. `workers` (may be null) share the work by ranges of keypoints; the result does
+// not depend on them. Polls `should_stop`; once it returns true, the search ends with the
+// correspondences found so far. Throws Error(kInternal) unless all tiles share the codebook with
+// which the query's descriptors were projected. The check compares codebook ids among the tiles,
+// and the dimension with the query.
 FeatureMatches MatchFeatures(const QueryContext& query, const std::vector<TileView>& tiles,
                              const MatchingOptions& options, SharedWorkers* workers = nullptr,
                              const StopFunction& should_stop = {});

@@ -105,8 +105,8 @@ struct Peaks {
   int64_t num_votes = 0;
 };
 
-// Finds the cells with the most votes. Ranges of yaw are independent, but one slice per
-// range is filled twice, so there are at most as many ranges as threads.
+// Finds the cells with the most votes. Ranges of yaw are independent, but one slice per range is
+// filled twice, so there are at most as many ranges as threads.
 Peaks FindPeaks(const Ballot& ballot, const VotingOptions& options, SharedWorkers* workers,
                 const StopFunction& should_stop) {
   const int num_ranges =

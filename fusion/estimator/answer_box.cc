@@ -20,6 +20,12 @@ SubmitStatus AnswerBox::Submit(Answer answer) {
 }
 
 std::vector<Answer> AnswerBox::TakeAll() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (inbox_.empty()) {
+      return {};
+    }
+  }
   std::vector<Answer> answers;
   answers.reserve(kMaxInbox);  // The next inbox. Submit does not wait for the allocation.
   {

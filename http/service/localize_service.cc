@@ -137,7 +137,8 @@ LocalizeService::Answer LocalizeService::Compute(Visit visit, LocalizeRequest re
   request.query.deadline = deadline;
   const Localizer& localizer = *visit.map_->localizer;
   const MapSnapshot version = localizer.map().Snapshot(deadline);
-  if (!request.has_images()) {  // Refuse it before it waits for its turn.
+  const bool is_over = std::chrono::steady_clock::now() >= deadline;
+  if (!is_over && !request.has_images()) {  // Refuse it before it waits or computes.
     CheckCodec(version, request.query);
   }
   if (visit.turn_ == nullptr) {
@@ -154,8 +155,9 @@ LocalizeService::Answer LocalizeService::Compute(Visit visit, LocalizeRequest re
       GiveFeatures(std::move(features.of_image), &request.query);
     }
   }
-  if (!in_time) {
-    LocalizeResult late = LateResult(request.query, localizer.options(), version);
+  if (!in_time) {  // What it says of the map is read without the deadline, which has passed.
+    LocalizeResult late =
+        LateResult(request.query, localizer.options(), localizer.map().Snapshot());
     return {std::move(request), std::move(late), times};
   }
   LocalizeResult result =

@@ -69,10 +69,10 @@ class LocalizeService {
   Answer AnswerLate(const Visit& visit);
   // Sets the query's deadline (the client's timeout counts from the end of the upload), waits for
   // the turn if there are more requests than cores, extracts features if there is an image, checks
-  // that the features have the map's codec, and localizes, all in one version of the map; in a
-  // second one if that is pruned meanwhile. Returns kTimeout if the turn does not come in time.
-  // Throws as Localizer::Localize; throws HttpError kInvalidImage, kImageTooLarge, kWrongCodec, and
-  // kUnavailable if too many requests wait.
+  // that the features have the map's codec, and localizes, all in the version of the map that
+  // is the latest at the call; in a second one if that is pruned meanwhile. Returns kTimeout if the
+  // turn does not come in time. Throws as Localizer::Localize; throws HttpError kInvalidImage,
+  // kImageTooLarge, kWrongCodec, and kUnavailable if too many requests wait.
   Answer Localize(Visit visit, LocalizeRequest request);
 
   // Waits for the turn of a request that is no query but takes as much time: lists and payloads.

@@ -39,7 +39,7 @@ std::vector<int> ChooseImages(const std::vector<std::optional<Geodetic>>& rough_
   return chosen;
 }
 
-// Where the map sees the photos if it sees `a` in its place and `b` at its distance from `a`.
+// The similarity that puts `a` where the map sees it and has the map's distance from `a` to `b`.
 std::optional<Sim3d> SimilarityOf(const SeenByMap& a, const SeenByMap& b) {
   const Rigid3d world_from_a = a.cam_from_world.Inverse();
   const Rigid3d ecef_from_a = a.answer.cam_from_ecef.Inverse();

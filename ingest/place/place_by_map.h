@@ -22,10 +22,10 @@ struct PlacementByMap {
 };
 
 // Localizes at most 24 photos, evenly over those with a rough position, by the features of the
-// reconstruction, within 100 m of their positions, which have a member for each image; heights
-// above the ellipsoid. The map decides place, direction, tilt and scale: up may be unknown, too.
-// CompareWithMap has to confirm the result, which only follows the largest group of answers. The
-// result does not depend on `num_threads`. Throws what the engine throws on a damaged map.
+// reconstruction. `rough_positions` has a member for each image, with heights above the ellipsoid;
+// the engine searches within 100 m of them. The map decides place, direction, tilt and scale: up
+// may be unknown, too. The result follows the largest group of answers, and CompareWithMap has to
+// confirm it. It does not depend on `num_threads`. Throws what the engine throws on a damaged map.
 PlacementByMap PlaceByMap(const Reconstruction& reconstruction,
                           const std::vector<std::optional<Geodetic>>& rough_positions,
                           const KnownTiles& map, int num_threads);

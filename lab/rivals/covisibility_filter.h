@@ -22,8 +22,7 @@ namespace cairn {
 // first correspondence. At most options.max_candidates are returned. The literature keeps only the
 // largest component: max_candidates = 1. Center and yaw remain zero.
 //
-// Time is linear in the matches times the tiles, and in the history of
-// the matched landmarks.
+// Time is linear in the matches times the tiles, and in the history of the matched landmarks.
 std::vector<PoseCandidate> CovisibilityCandidates(
     const std::vector<TileView>& tiles, const std::vector<Correspondence>& correspondences,
     const VotingOptions& options);

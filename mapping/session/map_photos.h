@@ -70,8 +70,8 @@ struct SegmentReport {
   bool is_placed_by_map = false;
   Georegistration georegistration = {};
   AdjustReport adjustment = {};
-  // How far the map moved it from where its positions placed it, at the middle of its cameras. 0
-  // for a session of one segment, which moves as a whole.
+  // How far the map moved it from where it was placed, at the middle of its cameras. 0 for a
+  // session of one segment that its positions place, which moves as a whole.
   double moved_by_map_m = 0.0;
 };
 
@@ -83,7 +83,8 @@ struct CameraReport {
   int num_photos = 0;  // In the model.
 };
 
-// A segment whose positions do not place it: they do not tell its scale, or which way is up.
+// A segment whose positions do not place it: they are fewer than three, do not tell its scale or
+// which way is up, or do not fit it.
 struct UnplacedSegment {
   Segment segment;  // With descriptors.
   int number = 0;   // In MappedPhotos::segments, which has the problem.
@@ -121,8 +122,9 @@ using MapProgress = std::function<void(const char* phase, int64_t done, int64_t 
 // Reads photos, finds pairs, matches them, grows segments, places them on Earth. With a work
 // folder, a second run with the same input goes on where the first was killed, with the same
 // result. Throws Error(kBadInput), with what to do, if fewer than three photos can be read or have
-// a position, if no three photos show the same, or, unless `keeps_unplaced`, if no segment can be
-// placed, then for the reason of the largest one; what ReadPhotos and WorkFolder throw.
+// a position, if no three photos show the same, or if no segment can be placed, then for the
+// reason of the largest one, unless `keeps_unplaced` and one has a position; what ReadPhotos and
+// WorkFolder throw.
 MappedPhotos MapPhotos(const MapPhotosInput& input, const MappingOptions& options,
                        const GeoregisterOptions& georegister, const MapProgress& progress = {});
 

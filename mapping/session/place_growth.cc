@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "core/statistics.h"
 #include "mapping/session/add_segment.h"
@@ -135,7 +136,7 @@ void Placement::LeaveOut(const Segment& segment, const std::string& problem) {
   result_.segments.push_back(std::move(report));
 }
 
-// Keeps a segment for the map if it is known about where that would be.
+// Keeps a segment for the map if one of its photos has a position, which says where to ask.
 void Placement::Keep(const Segment& segment, int number) {
   UnplacedSegment unplaced = {segment, number, ReportCameras(segment, cameras_as_read_), {}};
   for (const int photo : segment.photo_of_image) {
@@ -163,7 +164,7 @@ void Placement::StandAtPositions() {
   Georegistration& georegistration = result_.georegistration;
   georegistration.ecef_from_world = result_.ecef_from_world;
   georegistration.stated_accuracy_m = Median(std::move(accuracies_m));
-  georegistration.accuracy.position_m = georegistration.stated_accuracy_m;
+  georegistration.accuracy = {.position_m = georegistration.stated_accuracy_m, .rotation_rad = kPi};
 }
 
 void Placement::ReportLeftOut(const Growth& growth) {

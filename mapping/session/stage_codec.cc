@@ -97,8 +97,10 @@ ReconImage ImageOf(const MappingPhoto& photo) {
 Segment GetSegment(const PhotoSet& set, ByteReader* reader, const std::string& what) {
   Segment segment;
   Reconstruction& model = segment.model;
-  const uint32_t num_cameras = reader->Get<uint32_t>();
-  for (uint32_t i = 0; i < num_cameras; ++i) {
+  if (reader->Get<uint32_t>() != set.cameras.size()) {
+    ThrowDamaged(what);
+  }
+  for (size_t i = 0; i < set.cameras.size(); ++i) {
     model.cameras.push_back(GetCamera(reader));
   }
   const uint32_t num_images = reader->Get<uint32_t>();

@@ -174,8 +174,8 @@ TEST(MapMessages, NoMoreMatchesAreTakenThanWereAskedFor) {
 
 TEST(MapMessages, AnAnswerNeedsOnlyWhatPlacesItsMatches) {
   Json json = AnswerJson();
-  for (const char* name : {"id", "prior", "accuracy", "confidence", "score", "falseAlarmRate",
-                           "priorDisagrees", "inlierCount"}) {
+  for (const char* name :
+       {"id", "prior", "confidence", "score", "falseAlarmRate", "priorDisagrees", "inlierCount"}) {
     ASSERT_EQ(json.erase(name), 1u) << name;
   }
   json["map"].erase("version");

@@ -166,6 +166,26 @@ TEST_F(FitPartsTest, LeavesOutALargerPartThatOnlyTheMapPlacedIfItAnchorsNone) {
   EXPECT_EQ(session_.images.size(), a.images.size());
 }
 
+TEST_F(FitPartsTest, KeepsAWalkOverNewGroundAndNotTheFewPhotosThatOnlyTheMapPlaced) {
+  const testing::StreetWorld elsewhere(Street(77, /*seed=*/99));
+  const Reconstruction walk = Stretch(elsewhere, 0, 70);
+  const Reconstruction corner = Stretch(tuesday_, 90, 120);
+  ASSERT_LT(corner.images.size(), walk.images.size());
+  const auto parts = Fit(walk, corner, tuesday_.EcefFromWorld(), {1});
+  EXPECT_EQ(session_.images.size(), walk.images.size());
+  EXPECT_EQ(parts.at(0).problem, "");
+  EXPECT_THAT(parts.at(1).problem, HasSubstr("the map sees it"));
+}
+
+TEST_F(FitPartsTest, KeepsWhatTheMapPlacedIfThatIsMostOfTheSession) {
+  const testing::StreetWorld elsewhere(Street(77, /*seed=*/99));
+  const Reconstruction walk = Stretch(tuesday_, 0, 70);
+  const auto parts = Fit(walk, Stretch(elsewhere, 90, 120), tuesday_.EcefFromWorld(), {0});
+  EXPECT_EQ(session_.images.size(), walk.images.size());
+  EXPECT_EQ(parts.at(0).problem, "");
+  EXPECT_NE(parts.at(1).problem, "");
+}
+
 TEST_F(FitPartsTest, KeepsAllPartsFarFromTheMap) {
   Sim3d far_away = tuesday_.EcefFromWorld();
   far_away.translation += 3000.0 * (far_away.rotation * Eigen::Vector3d::UnitX());
