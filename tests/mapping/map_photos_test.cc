@@ -42,7 +42,7 @@ MappingOptions FewFeatures(int max_features) {
 
 using PositionOfPhoto = std::map<std::string, Eigen::Vector3d>;
 
-PositionOfPhoto CentersOf(const Reconstruction& model) {
+PositionOfPhoto CentersByName(const Reconstruction& model) {
   PositionOfPhoto centers;
   for (const ReconImage& image : model.images) {
     centers[image.name] = image.cam_from_world.Inverse().translation;
@@ -87,7 +87,8 @@ TEST(MapPhotos, IsAsNearTheLaserScanAsColmap) {
   const MappedPhotos mapped = MapPhotos(FountainInput(), FewFeatures(2500), {});
   ASSERT_EQ(mapped.num_mapped, 11);
   EXPECT_TRUE(mapped.left_out.empty());
-  const Eigen::VectorXd errors = CenterErrors(CentersOf(mapped.model), LaserScanOfTheFountain());
+  const Eigen::VectorXd errors =
+      CenterErrors(CentersByName(mapped.model), LaserScanOfTheFountain());
   EXPECT_LE(errors.mean(), 1.25 * 0.0024);
   EXPECT_LE(errors.maxCoeff(), 2.0 * 0.0038);
 }
@@ -177,7 +178,7 @@ TEST(MapPhotos, FindsTheFocalLengthOfADriveByGrowingAgain) {
   const MappedPhotos first = MapPhotos(input, MappingOptions(), {});
   EXPECT_EQ(first.num_mapped, 20);
   EXPECT_NEAR(first.cameras.at(0).camera.focal_px(), 718.9, 0.04 * 718.9);
-  EXPECT_LT(CenterErrors(CentersOf(first.model), TruthOfTheDrive()).maxCoeff(), 0.2);
+  EXPECT_LT(CenterErrors(CentersByName(first.model), TruthOfTheDrive()).maxCoeff(), 0.2);
   EXPECT_FALSE(IsFromWork(first, "matching again"));
 
   // As if the run was killed before its segments were kept.
@@ -206,7 +207,7 @@ TEST(MapPhotosOfAStreet, AllAreInWhereColmapHasThem) {
   for (const ColmapImage& image : ReadColmapModel((folder / "colmap_model").string()).images) {
     colmap[image.name] = image.cam_from_world.Inverse().translation;
   }
-  EXPECT_LT(CenterErrors(colmap, CentersOf(mapped.model)).maxCoeff(), 1.0);  // Meters.
+  EXPECT_LT(CenterErrors(colmap, CentersByName(mapped.model)).maxCoeff(), 1.0);  // Meters.
 }
 
 // Ten photos by ten people, without EXIF, each with a camera of its own. Nobody knows their
