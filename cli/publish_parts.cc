@@ -64,9 +64,7 @@ void ReportPhotos(const Parts& parts, const std::vector<std::string>& names,
 void AddPlaced(const UnplacedSegment& segment, const PlacementByMap& placement,
                MapSessionResult* result) {
   SegmentReport& report = result->mapped.segments[static_cast<size_t>(segment.number)];
-  result->mapped.notes.push_back(fmt::format("the map places {} photos whose positions do not: {}",
-                                             segment.segment.photo_of_image.size(),
-                                             std::exchange(report.problem, "")));
+  report.problem.clear();
   report.is_placed_by_map = true;
   report.georegistration.num_positions = placement.num_agreeing;
   report.georegistration.num_inliers = placement.num_agreeing;
@@ -81,21 +79,22 @@ void AddPlaced(const UnplacedSegment& segment, const PlacementByMap& placement,
              &result->mapped, &result->session.reconstruction);
 }
 
-// Returns the numbers of the segments that the map places.
-std::set<int> PlaceUnplaced(const MapSnapshot& map, MapSessionResult* result) {
+// Returns the numbers of the segments that the map places, and why their positions do not.
+std::map<int, std::string> PlaceUnplaced(const MapSnapshot& map, MapSessionResult* result) {
   const std::optional<SessionRecord> replaced =
       map.FindSession(result->session.options.session_name);
   const KnownTiles known(map, replaced ? replaced->id : SessionId{});
-  std::set<int> placed;
+  std::map<int, std::string> placed;
   for (const UnplacedSegment& segment : result->mapped.unplaced) {
+    std::string& problem = result->mapped.segments[static_cast<size_t>(segment.number)].problem;
     const PlacementByMap placement = PlaceByMap(segment.segment.model, segment.positions, known,
                                                 result->session.options.num_threads);
     if (placement.ecef_from_world) {
+      placed[segment.number] = problem;
       AddPlaced(segment, placement, result);
-      placed.insert(segment.number);
       continue;
     }
-    result->mapped.segments[static_cast<size_t>(segment.number)].problem += fmt::format(
+    problem += fmt::format(
         ". The map does not place it, either: it recognizes {} of {} photos, and {} agree",
         placement.num_recognized, placement.num_asked, placement.num_agreeing);
   }
@@ -103,8 +102,14 @@ std::set<int> PlaceUnplaced(const MapSnapshot& map, MapSessionResult* result) {
 }
 
 // Moves the segments of the model to where the map sees them; those that FitParts refuses leave it.
-void FitAll(const MapSnapshot& map, const std::set<int>& placed_by_map, MapSessionResult* result) {
+// `why_by_map` is of PlaceUnplaced.
+void FitAll(const MapSnapshot& map, const std::map<int, std::string>& why_by_map,
+            MapSessionResult* result) {
   PlacedReconstruction& session = result->session;
+  std::set<int> placed_by_map;
+  for (const auto& [number, why] : why_by_map) {
+    placed_by_map.insert(number);
+  }
   std::vector<std::string> names;
   for (const ReconImage& image : session.reconstruction.images) {
     names.push_back(image.name);
@@ -114,6 +119,13 @@ void FitAll(const MapSnapshot& map, const std::set<int>& placed_by_map, MapSessi
                session.georegistration.ecef_from_world, session.options, &session.reconstruction);
   ReportSegments(parts, &result->mapped.segments);
   ReportPhotos(parts, names, session.reconstruction.images, &result->mapped);
+  for (const auto& [number, why] : why_by_map) {
+    const SegmentReport& segment = result->mapped.segments[static_cast<size_t>(number)];
+    if (segment.problem.empty()) {
+      result->mapped.notes.push_back(fmt::format(
+          "the map places {} photos whose positions do not: {}", segment.num_photos, why));
+    }
+  }
 }
 
 }  // namespace
@@ -131,9 +143,9 @@ IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
     return PublishAsPlaced(publish, *result);
   }
   MapSessionResult fitted = *result;
-  const std::set<int> placed_by_map = PlaceUnplaced(map, &fitted);
-  if (!placed_by_map.empty() || !IsOnePart(fitted.mapped.segment_of_image)) {
-    FitAll(map, placed_by_map, &fitted);
+  const std::map<int, std::string> why_by_map = PlaceUnplaced(map, &fitted);
+  if (!why_by_map.empty() || !IsOnePart(fitted.mapped.segment_of_image)) {
+    FitAll(map, why_by_map, &fitted);
   }
   fitted.mapped.unplaced.clear();
   IngestReport report = PublishAsPlaced(publish, fitted);
