@@ -226,6 +226,9 @@ TEST_F(MapFolders, WhosePositionsDoNotTellTheirScaleJoinByTheirPhotos) {
   EXPECT_EQ(sessions[1].mapped.num_mapped, 6);
   EXPECT_TRUE(sessions[1].mapped.left_out.empty());
   EXPECT_EQ(sessions[1].mapped.cameras.size(), 1u);
+  EXPECT_THAT(sessions[1].mapped.notes,
+              ::testing::Contains(HasSubstr("the map places 6 photos whose positions do not: "
+                                            "georegistration: the 6 known positions")));
   const nlohmann::ordered_json json = MapSessionJson(sessions[1]);
   EXPECT_EQ(json["photos"]["segments"][0]["placedBy"], "map");
   EXPECT_EQ(json["photos"]["scale"], "map");
