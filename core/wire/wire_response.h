@@ -76,8 +76,8 @@ struct WireResponse {
 nlohmann::ordered_json WireResponseJson(const WireResponse& response);
 
 // Reads also responses of older servers, without members that describe a pose or a match but do not
-// place them. Throws JsonError with the pointer of the member at fault, and Error(kBadInput) if a
-// tile's name is none. Numbers have the ranges that the structures state.
+// place them. Throws JsonError with the pointer of the member at fault, and Error(kBadInput) if the
+// name of a tile is malformed. Numbers have the ranges that the structures state.
 WireResponse ReadWireResponse(const JsonReader& json);
 
 }  // namespace cairn

@@ -13,7 +13,8 @@
 namespace cairn {
 
 struct PlacementByMap {
-  // Of any scale to meters. Nothing unless three photos, and half of the recognized ones, agree.
+  // From the reconstruction's units to meters. Nothing unless three photos, and half of the
+  // recognized ones, agree.
   std::optional<Sim3d> ecef_from_world;
   int num_asked = 0;
   int num_recognized = 0;          // With a confidence of 0.9.
