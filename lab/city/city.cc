@@ -10,13 +10,13 @@ namespace cairn {
 namespace {
 
 constexpr double kEarthRadiusM = 6.371e6;
-constexpr double kMaxTurnRad = 0.35;  // Angle of the streets to east and north.
-constexpr int kMainStreetEvery = 4;   // Average number of lines from one main street to the next.
+constexpr double kMaxStreetTurnRad = 0.35;  // Angle of the streets to east and north.
+constexpr int kMainStreetEvery = 4;  // Average number of lines from one main street to the next.
 constexpr double kMainStreetFactor = 1.5;
 constexpr double kMinReliefWaveM = 250.0, kMaxReliefWaveM = 900.0;
 
 // Streams of random numbers that must stay separate.
-enum Stream : uint64_t {
+enum LayoutStream : uint64_t {
   kLayout = 0x101,
   kCrossing,
   kStreetId,
@@ -158,7 +158,7 @@ City::City(const CityOptions& options)
       shape_(kShapes[static_cast<size_t>(options.character)]),
       ecef_from_site_(EcefFromEnu(options.center)) {
   HashedRandom random(HashOf(options_.seed, kLayout));
-  site_from_lattice_ = Eigen::Rotation2Dd(random.Uniform(-kMaxTurnRad, kMaxTurnRad));
+  site_from_lattice_ = Eigen::Rotation2Dd(random.Uniform(-kMaxStreetTurnRad, kMaxStreetTurnRad));
   double sum = 0.0;
   for (int rank = 1; rank <= options_.num_styles; ++rank) {
     style_cdf_.push_back(sum += 1.0 / rank);

@@ -99,7 +99,8 @@ class SurfaceCollector {
   // Calls add(place, side, random) every `spacing_m` on both sides of the street. `side` is 1 on
   // the left.
   template <typename Add>
-  void AlongKerbs(const CityStreet& street, Stream stream, double spacing_m, const Add& add) {
+  void AlongKerbs(const CityStreet& street, SurfaceStream stream, double spacing_m,
+                  const Add& add) {
     const double length_m = street.LengthM();
     const double margin_m = 0.5 * street.width_m;  // Keeps the crossing free.
     const int count = static_cast<int>((length_m - 2.0 * margin_m) / spacing_m);

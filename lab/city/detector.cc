@@ -21,7 +21,7 @@ constexpr double kCrowdDistanceM = 4.0;
 constexpr double kCrowdTopRad = 0.05;  // Height above the horizon.
 
 // Streams of random numbers that must stay separate.
-enum Stream : uint64_t {
+enum LookStream : uint64_t {
   kLookStream = 0x301,
   kCrowdStream,
   kNoiseStream,

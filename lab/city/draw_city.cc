@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidthPx = 1400;
 constexpr double kMarginM = 12.0;
-constexpr double kMaxAreaKm2 = 1.0;
+constexpr double kMaxPictureKm2 = 1.0;
 constexpr double kTextPx = 12.0;
 constexpr double kBarM = 50.0;
 constexpr float kMinDotM = 0.06f;  // Smaller landmarks would fill the picture.
@@ -88,7 +88,7 @@ void DrawScale(const CityOptions& options, PlanView* view) {
 void DrawCity(const std::string& path, const SimulatedMapping& mapping,
               const PhoneQueries& queries) {
   const City& city = mapping.city();
-  RequireWithin("city.area_km2 of a picture", city.options().area_km2, 0.0, kMaxAreaKm2);
+  RequireWithin("city.area_km2 of a picture", city.options().area_km2, 0.0, kMaxPictureKm2);
   const CityBox box =
       BoxAroundPoint(Eigen::Vector2d::Zero(), 0.5 * city.options().SideM() + kMarginM);
   PlanView view({box.min(), box.max()}, kWidthPx);

@@ -12,7 +12,7 @@
 namespace cairn {
 
 // Streams of random numbers that must stay separate.
-enum Stream : uint64_t {
+enum MappingStream : uint64_t {
   kDeformationStream = 0x401,
   kDriftStream,
   kLaneStream,

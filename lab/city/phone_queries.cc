@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kOutlierFactor = 3.0;
 constexpr double kBiasWaveM = 60.0;
-constexpr double kMaxTurnRad = 1.3;  // Between the view and straight across the street.
+constexpr double kMaxViewTurnRad = 1.3;  // Between the view and straight across the street.
 constexpr double kMeanPitchRad = 0.1, kPitchSigmaRad = 0.1;
 constexpr double kRollSigmaRad = 0.06;
 constexpr double kHeightSigmaM = 0.08;
@@ -30,14 +30,14 @@ constexpr double kMinAccuracyM = 3.0, kMaxAccuracyM = 150.0;
 constexpr int kMaxTries = 10'000;
 
 // Streams of random numbers that must stay separate.
-enum Stream : uint64_t {
+enum QueryStream : uint64_t {
   kPlaceStream = 0x501,
-  kImageStream,
-  kClutterStream,
+  kQueryImageStream,
+  kQueryClutterStream,
   kModeStream,
   kMappedStream,
-  kGpsStream,
-  kBiasStream,
+  kQueryGpsStream,
+  kQueryBiasStream,
   kGravityStream,
   kIntrinsicsStream,
 };
@@ -72,7 +72,8 @@ PhonePlace DrawPlace(const City& city, const PhoneQueryOptions& options, int que
       continue;
     }
     CameraAngles angles;
-    angles.yaw_rad = YawRad(street) - side * 0.5 * kPi + random.Uniform(-kMaxTurnRad, kMaxTurnRad);
+    angles.yaw_rad =
+        YawRad(street) - side * 0.5 * kPi + random.Uniform(-kMaxViewTurnRad, kMaxViewTurnRad);
     angles.pitch_rad = kMeanPitchRad + kPitchSigmaRad * random.Normal();
     angles.roll_rad = kRollSigmaRad * random.Normal();
     const double z_m = city.GroundM(at) + options.height_m + kHeightSigmaM * random.Normal();
@@ -184,7 +185,7 @@ void PhoneQueries::FillFeatures(int query_idx, const std::unordered_set<uint64_t
       city_,
       BoxAroundPoint(cam_from_site.Inverse().translation.head<2>(), options_.detector.max_range_m),
       options_.time_years);
-  const uint64_t image_id = HashOf(options_.seed, kImageStream, query_idx);
+  const uint64_t image_id = HashOf(options_.seed, kQueryImageStream, query_idx);
   const std::vector<Detection> detections =
       DetectLandmarks(region, camera_, cam_from_site, options_.detector, image_id, image_id);
   const auto mode = static_cast<uint32_t>(
@@ -208,14 +209,14 @@ void PhoneQueries::FillFeatures(int query_idx, const std::unordered_set<uint64_t
   add(true, NumMapped(image_id));
   add(false, static_cast<int>(std::lround(options_.unmapped_share *
                                           (options_.num_keypoints - features->size()))));
-  AppendClutter(camera_, options_.detector, model_, HashOf(image_id, kClutterStream),
+  AppendClutter(camera_, options_.detector, model_, HashOf(image_id, kQueryClutterStream),
                 options_.num_keypoints - features->size(), features);
 }
 
 void PhoneQueries::FillPrior(int query_idx, LocalizeQuery* query) const {
   const PhonePlace& place = Place(query_idx);
   const PhoneNoise& noise = options_.noise;
-  HashedRandom random(HashOf(options_.seed, kGpsStream, query_idx));
+  HashedRandom random(HashOf(options_.seed, kQueryGpsStream, query_idx));
   const double sigma_m = noise.gps_median_m * std::exp(noise.gps_log_sigma * random.Normal());
   const double factor = random.Chance(noise.gps_outlier_share) ? kOutlierFactor : 1.0;
   const double east_m = factor * sigma_m * random.Normal();
@@ -224,7 +225,7 @@ void PhoneQueries::FillPrior(int query_idx, LocalizeQuery* query) const {
 
   const Eigen::Vector3d center = place.cam_from_site.Inverse().translation;
   const double bias_sigma_m = noise.canyon_bias_m * std::min(place.canyon, 2.0);
-  const SmoothField bias(HashOf(options_.seed, kBiasStream), 1.0, kBiasWaveM);
+  const SmoothField bias(HashOf(options_.seed, kQueryBiasStream), 1.0, kBiasWaveM);
   const Eigen::Vector2d across(-std::sin(place.street_yaw_rad), std::cos(place.street_yaw_rad));
   const Eigen::Vector2d shift =
       bias_sigma_m * bias.ShiftM(center.head<2>()).x() * across + Eigen::Vector2d(east_m, north_m);

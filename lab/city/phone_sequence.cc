@@ -24,12 +24,12 @@ constexpr double kBounceM = 0.02;     // Vertical motion of the phone at each st
 constexpr double kSidestepM = 0.015;  // Sideways motion, at half the frequency.
 
 // Streams of random numbers that must stay separate.
-enum Stream : uint64_t {
+enum SequenceStream : uint64_t {
   kWalkStream = 0x601,
-  kBiasStream,
+  kSequenceBiasStream,
   kSampleStream,
   kFrameStream,
-  kTrackStream,
+  kSequenceTrackStream,
 };
 
 Eigen::Vector3d DrawVector(HashedRandom* random) {
@@ -105,7 +105,7 @@ class Walk {
 };
 
 void FillImu(const Walk& walk, const PhoneSequenceOptions& options, PhoneSequence* sequence) {
-  HashedRandom bias(HashOf(options.seed, kBiasStream));
+  HashedRandom bias(HashOf(options.seed, kSequenceBiasStream));
   fusion::InertialUnit unit{.rate_hz = options.imu_rate_hz, .noise = options.imu_noise};
   unit.gyro_bias = options.gyro_bias_sigma_rad_s * DrawVector(&bias);
   unit.accel_bias = options.accel_bias_sigma_m_s2 * DrawVector(&bias);
@@ -141,7 +141,7 @@ class Tracker {
     std::map<uint64_t, uint64_t> followed;
     std::vector<fusion::TrackedFeature> features;
     const auto add = [&](const Detection& detection, uint64_t track_id) {
-      HashedRandom random(HashOf(frame_id, kTrackStream, detection.look.landmark));
+      HashedRandom random(HashOf(frame_id, kSequenceTrackStream, detection.look.landmark));
       const double x_px = detection.keypoint.x_px + options_.pixel_sigma * random.Normal();
       const double y_px = detection.keypoint.y_px + options_.pixel_sigma * random.Normal();
       if (!random.Chance(options_.lost_share)) {

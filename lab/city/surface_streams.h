@@ -8,7 +8,7 @@
 namespace cairn {
 
 // Streams of random numbers that must stay separate.
-enum Stream : uint64_t {
+enum SurfaceStream : uint64_t {
   kGroundStream = 0x201,
   kTreeStream,
   kSignStream,
