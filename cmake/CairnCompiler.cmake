@@ -3,10 +3,10 @@ add_library(cairn_compiler_options INTERFACE)
 target_compile_options(cairn_compiler_options INTERFACE
   -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>
   -Wnon-virtual-dtor -Woverloaded-virtual -Wno-unused-parameter
-  # GCC 12's flow-based warnings see overflows and overlaps in inlined std::vector and std::string
-  # code that are not there, more of them at -O3.
+  # GCC 12's flow-based warnings see overflows, overlaps and uses after free in inlined std::vector,
+  # std::string and Eigen code that are not there, more of them at -O3.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds>
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized -Wno-use-after-free>
   # A source that is compiled together with others looks like a header to GCC, so that a class with a
   # member of a type of the source's own looks like two classes.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>

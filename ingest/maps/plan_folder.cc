@@ -27,7 +27,7 @@ constexpr const char* kCodebook = "codebook.bin";
 constexpr const char* kShards = "shards";
 constexpr const char* kResults = "results";
 
-constexpr uint64_t kMaxManifestBytes = uint64_t{256} << 20;
+constexpr uint64_t kMaxPlanBytes = uint64_t{256} << 20;
 constexpr uint64_t kMaxFileBytes = uint64_t{16} << 30;
 
 std::string Join(const std::string& folder, const std::string& name) {
@@ -145,7 +145,7 @@ PlanFolder::PlanFolder(const std::string& path) : path_(path) {
   }
   RequireUnlinkedFile(manifest_path);
   RequireFolders(path);
-  const std::string text = ReadTextFile(manifest_path, kMaxManifestBytes);
+  const std::string text = ReadTextFile(manifest_path, kMaxPlanBytes);
   try {
     manifest_ = ManifestFromJson(text);
   } catch (const Error& error) {
