@@ -54,7 +54,6 @@ if(CAIRN_BUILD_TESTS)
   # Tests compare with OpenCV's decoders and its SIFT.
   find_package(OpenCV 4 REQUIRED COMPONENTS imgcodecs features2d)
   find_package(GTest REQUIRED)
-  include(GoogleTest)
 endif()
 if(CAIRN_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)

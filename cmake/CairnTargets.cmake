@@ -42,16 +42,17 @@ endfunction()
 set(cairn_cost_of_long_tests 1000)
 set(cairn_cost_of_wide_tests 2000)  # Of tests that need two processors.
 
-# cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage WHOLE Suite...)
+# cairn_test(NAME storage SOURCES a_test.cc DEPENDS cairn::storage LONG Suite...)
 #
-# One test binary a room, `cairn_NAME_test`; every TEST in it is a ctest of its own. Tests may
-# include anything their DEPENDS offer, and tests/support/. WHOLE: suites whose tests share what is
-# costly to make, such as a map, and leave it as it is; each is one ctest, `Suite`, so that a process
-# makes it once. A base class of several suites that share it is written `Base=Suite:Suite`; they are
-# one ctest, `Base`. ON_SERVER: tests whose names end in /OnServer are one ctest, because each process
-# that uses PostgreSQL starts a server of its own.
+# One test binary a room, `cairn_NAME_test`. Each suite in it is one ctest, `Suite`, because a process
+# takes longer to start than most tests do, and because tests of a suite often share what is costly to
+# make. So no test may depend on what another one left. Tests may include anything their DEPENDS
+# offer, and tests/support/. LONG: suites that start before others. `Base=Suite:Suite` makes one
+# ctest, `Base`, of several suites that share a base class and what it made. ON_SERVER: tests whose
+# names end in /OnServer are one ctest, because each process that uses PostgreSQL starts a server of
+# its own.
 function(cairn_test)
-  cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS;WHOLE" ${ARGN})
+  cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS;LONG" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 600)
   endif()
@@ -66,26 +67,28 @@ function(cairn_test)
   if(NOT OpenMP::OpenMP_CXX IN_LIST ARG_DEPENDS)
     target_precompile_headers(${target} REUSE_FROM cairn_test_headers)
   endif()
-  set(not_alone)
+  set(excluded)
   if(ARG_ON_SERVER AND CAIRN_WITH_POSTGRES)
-    list(APPEND not_alone */OnServer)
-    add_test(NAME ${target}.OnServer COMMAND ${target} --gtest_filter=*/OnServer)
+    set(excluded */OnServer)
+    add_test(NAME ${target}.OnServer COMMAND ${target} --gtest_filter=${excluded})
     set_tests_properties(${target}.OnServer PROPERTIES TIMEOUT 1800 COST ${cairn_cost_of_long_tests})
   endif()
-  foreach(whole ${ARG_WHOLE})
-    string(REGEX MATCH "^[^=]+" suite ${whole})
-    string(REGEX REPLACE "^[^=]+=" "" filter ${whole})
-    string(REPLACE ":" ".*:" filter "${filter}.*")
-    list(APPEND not_alone ${filter})
-    add_test(NAME ${suite} COMMAND ${target} --gtest_filter=${filter})
-    # Skipped if the end of the output says that no test passed and that all were skipped.
-    set_tests_properties(${suite} PROPERTIES TIMEOUT ${ARG_TIMEOUT}
-      COST ${cairn_cost_of_long_tests} SKIP_REGULAR_EXPRESSION
-      "PASSED  \\] 0 tests\\.(\n\\[  SKIPPED \\] [^\n]*)+\n*$")
-  endforeach()
-  list(JOIN not_alone ":" not_alone)
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${not_alone}" NO_PRETTY_VALUES
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+  list(JOIN ARG_LONG "," long)
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/${target}_suites.cmake)
+  add_custom_command(TARGET ${target} POST_BUILD BYPRODUCTS ${suites}
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DLONG=${long}
+      -DEXCLUDED=${excluded} -DTIMEOUT_S=${ARG_TIMEOUT} -DCOST=${cairn_cost_of_long_tests}
+      -DOUT=${suites} -P ${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake
+    VERBATIM)
+  file(CONFIGURE OUTPUT ${target}_discovery.cmake @ONLY CONTENT [=[
+if(EXISTS [==[@suites@]==])
+  include([==[@suites@]==])
+else()
+  add_test(@target@_is_not_built @target@_is_not_built)
+endif()
+]=])
+  set_property(DIRECTORY APPEND PROPERTY
+    TEST_INCLUDE_FILES ${CMAKE_CURRENT_BINARY_DIR}/${target}_discovery.cmake)
 endfunction()
 
 # cairn_fuzz_target(NAME base64 DEPENDS cairn::http)
