@@ -19,6 +19,7 @@
 #include "cli/ingest_placed.h"
 #include "cli/map_report.h"
 #include "cli/publish_parts.h"
+#include "cli/scratch_dir.h"
 #include "cli/session_archive.h"
 #include "cli/session_replacement.h"
 #include "core/error.h"
@@ -310,6 +311,7 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
   const CairnOptions& options = arguments.session.options;
   MapPhotosInput photos = input.photos;
   photos.num_threads = options.ingest.num_threads;
+  photos.scratch_dir = ScratchDir();
   photos.keeps_unplaced = may_join;
   MapSessionResult result;
   result.name = input.name;

@@ -35,7 +35,7 @@ DescriptorMatrix ValuesOf(const Bytes& bytes, const std::vector<float>& value_of
 
 PackedDescriptors::PackedDescriptors(const DescriptorMatrix& values) {
   if (AreBytes(values)) {
-    values_ = ByteDescriptorMatrix(values.cast<uint8_t>());
+    values_ = StoredDescriptors(values.cast<uint8_t>());
   } else {
     values_ = values;
   }
@@ -45,9 +45,9 @@ PackedDescriptors::PackedDescriptors(ByteDescriptorMatrix bytes, std::vector<flo
   CAIRN_CHECK(value_of_byte.size() == 256, "a byte has 256 values");
   // The same values are packed in the same way, wherever they come from.
   if (const DescriptorMatrix values = ValuesOf(bytes, value_of_byte); AreBytes(values)) {
-    values_ = ByteDescriptorMatrix(values.cast<uint8_t>());
+    values_ = StoredDescriptors(values.cast<uint8_t>());
   } else {
-    values_ = std::move(bytes);
+    values_ = StoredDescriptors(std::move(bytes));
     value_of_byte_ = std::move(value_of_byte);
   }
 }
@@ -60,22 +60,22 @@ Eigen::Index PackedDescriptors::cols() const {
   return std::visit([](const auto& values) { return values.cols(); }, values_);
 }
 
-const ByteDescriptorMatrix* PackedDescriptors::as_bytes() const {
-  return value_of_byte_.empty() ? std::get_if<ByteDescriptorMatrix>(&values_) : nullptr;
+const StoredDescriptors* PackedDescriptors::as_bytes() const {
+  return value_of_byte_.empty() ? std::get_if<StoredDescriptors>(&values_) : nullptr;
 }
 
 Eigen::RowVectorXf PackedDescriptors::Row(Eigen::Index row) const {
   if (const auto* floats = std::get_if<DescriptorMatrix>(&values_)) {
     return floats->row(row);
   }
-  return ValuesOf(std::get<ByteDescriptorMatrix>(values_).row(row), value_of_byte_);
+  return ValuesOf(std::get<StoredDescriptors>(values_).Row(row), value_of_byte_);
 }
 
 PackedDescriptors PackedDescriptors::Rows(std::span<const int> rows) const {
   if (const auto* floats = std::get_if<DescriptorMatrix>(&values_)) {
     return RowsOf(*floats, rows);
   }
-  ByteDescriptorMatrix chosen = RowsOf(std::get<ByteDescriptorMatrix>(values_), rows);
+  ByteDescriptorMatrix chosen = RowsOf(*std::get<StoredDescriptors>(values_).Load(), rows);
   return value_of_byte_.empty() ? PackedDescriptors(std::move(chosen))
                                 : PackedDescriptors(std::move(chosen), value_of_byte_);
 }
@@ -84,7 +84,7 @@ DescriptorMatrix PackedDescriptors::Unpacked() const {
   if (const auto* floats = std::get_if<DescriptorMatrix>(&values_)) {
     return *floats;
   }
-  return ValuesOf(std::get<ByteDescriptorMatrix>(values_), value_of_byte_);
+  return ValuesOf(*std::get<StoredDescriptors>(values_).Load(), value_of_byte_);
 }
 
 PackedFeatures::PackedFeatures(FeatureSet features)

@@ -11,21 +11,21 @@
 #include <vector>
 
 #include "core/features.h"
+#include "core/stored_descriptors.h"
 
 namespace cairn {
 
-// num_features x descriptor_dim, row-major.
-using ByteDescriptorMatrix =
-    Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// num_features x descriptor_dim numbers, exactly those that were put in.
+// num_features x descriptor_dim numbers, exactly those that were put in. Bytes may be on disk:
+// StoredDescriptors.
 class PackedDescriptors {
  public:
   PackedDescriptors() = default;
   // A byte a value if all are whole numbers up to 255, as those of SIFT are; else a float.
   PackedDescriptors(const DescriptorMatrix& values);
   // Each byte is its own value.
-  explicit PackedDescriptors(ByteDescriptorMatrix bytes) : values_(std::move(bytes)) {}
+  explicit PackedDescriptors(StoredDescriptors bytes) : values_(std::move(bytes)) {}
+  explicit PackedDescriptors(ByteDescriptorMatrix bytes)
+      : PackedDescriptors(StoredDescriptors(std::move(bytes))) {}
   // Byte b stands for value_of_byte[b]; there are 256.
   PackedDescriptors(ByteDescriptorMatrix bytes, std::vector<float> value_of_byte);
 
@@ -33,13 +33,13 @@ class PackedDescriptors {
   Eigen::Index cols() const;
 
   // The values, or null if some are not whole numbers up to 255, or are -0.
-  const ByteDescriptorMatrix* as_bytes() const;
+  const StoredDescriptors* as_bytes() const;
   Eigen::RowVectorXf Row(Eigen::Index row) const;
   PackedDescriptors Rows(std::span<const int> rows) const;
   DescriptorMatrix Unpacked() const;
 
  private:
-  std::variant<ByteDescriptorMatrix, DescriptorMatrix> values_;
+  std::variant<StoredDescriptors, DescriptorMatrix> values_;
   std::vector<float> value_of_byte_;  // Empty if each byte is its own value.
 };
 

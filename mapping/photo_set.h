@@ -2,16 +2,16 @@
 #ifndef CAIRN_MAPPING_PHOTO_SET_H_
 #define CAIRN_MAPPING_PHOTO_SET_H_
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera.h"
+#include "core/features.h"
 #include "core/focal_length.h"
 #include "core/geodesy.h"
-#include "core/packed_features.h"
+#include "core/stored_descriptors.h"
 
 namespace cairn {
 
@@ -42,7 +42,7 @@ struct MappingPhoto {
   std::string name;  // Unique in the set.
   int camera_idx = 0;
   std::vector<Keypoint> keypoints;
-  ByteDescriptorMatrix descriptors;  // A row a keypoint; SIFT's are whole numbers up to 255.
+  StoredDescriptors descriptors;  // A row a keypoint; SIFT's are whole numbers up to 255.
   // As ReconImage::gps and ReconImage::gps_accuracy_m.
   std::optional<Geodetic> gps;
   std::optional<double> gps_accuracy_m;

@@ -1,75 +1,15 @@
-// Sorts more records than memory holds by a number, with unnamed files.
+// Sorts more records than memory holds by a number, with scratch files.
 #ifndef CAIRN_CLI_EXPORTS_SPILL_FILES_H_
 #define CAIRN_CLI_EXPORTS_SPILL_FILES_H_
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <type_traits>
 #include <vector>
 
-#include "core/error.h"
+#include "core/scratch_file.h"
 
 namespace cairn {
-
-// A file that has no name any more, so that nothing is left of it if the process dies.
-class UnnamedFile {
- public:
-  // On the disk of `folder`. Throws Error(kIo), as all functions do.
-  explicit UnnamedFile(const std::string& folder) : folder_(folder) {
-    std::string name = folder + "/.cairn_export_XXXXXX";
-    fd_ = mkostemp(name.data(), O_CLOEXEC);
-    if (fd_ < 0) {
-      Throw();
-    }
-    unlink(name.c_str());
-  }
-  ~UnnamedFile() { close(fd_); }
-  UnnamedFile(const UnnamedFile&) = delete;
-  UnnamedFile& operator=(const UnnamedFile&) = delete;
-
-  void Append(const void* bytes, size_t size) {
-    const auto* at = static_cast<const char*>(bytes);
-    while (size > 0) {
-      const ssize_t done = pwrite(fd_, at, size, static_cast<off_t>(size_));
-      if (done < 0 && errno != EINTR) {
-        Throw();
-      }
-      const size_t num_written = done < 0 ? 0 : static_cast<size_t>(done);
-      at += num_written;
-      size -= num_written;
-      size_ += num_written;
-    }
-  }
-
-  uint64_t size() const { return size_; }
-
-  void ReadAll(void* bytes) const {
-    auto* at = static_cast<char*>(bytes);
-    for (uint64_t position = 0; position < size_;) {
-      const ssize_t done =
-          pread(fd_, at + position, size_ - position, static_cast<off_t>(position));
-      if (done == 0 || (done < 0 && errno != EINTR)) {
-        Throw();
-      }
-      position += done < 0 ? 0 : static_cast<uint64_t>(done);
-    }
-  }
-
- private:
-  [[noreturn]] void Throw() const {
-    throw Error(ErrorCode::kIo, fmt::format("{}: {}", folder_, std::strerror(errno)));
-  }
-
-  std::string folder_;
-  int fd_ = -1;
-  uint64_t size_ = 0;
-};
 
 // Records in the order of Add.
 template <typename Record>
@@ -89,17 +29,18 @@ class SpillFile {
   std::vector<Record> TakeAll() {
     Flush();
     std::vector<Record> records(file_.size() / sizeof(Record));
-    file_.ReadAll(records.data());
+    file_.Read(0, {reinterpret_cast<uint8_t*>(records.data()), file_.size()});
     return records;
   }
 
  private:
   void Flush() {
-    file_.Append(buffer_.data(), buffer_.size() * sizeof(Record));
+    file_.Append(
+        {reinterpret_cast<const uint8_t*>(buffer_.data()), buffer_.size() * sizeof(Record)});
     buffer_.clear();
   }
 
-  UnnamedFile file_;
+  ScratchFile file_;
   std::vector<Record> buffer_;
 };
 

@@ -36,7 +36,7 @@ void PutDescriptors(const PackedDescriptors& descriptors, bool as_bytes, ByteWri
     writer->PutArray(std::span(values.data(), static_cast<size_t>(values.size())));
   };
   if (as_bytes) {
-    put(*descriptors.as_bytes());
+    put(*descriptors.as_bytes()->Load());
   } else {
     put(descriptors.Unpacked());
   }

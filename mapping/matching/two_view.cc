@@ -34,9 +34,11 @@ void TwoViewOptions::Validate() const {
 std::optional<TwoView> FindTwoView(const PhotoSet& set, int a, int b,
                                    const TwoViewOptions& options) {
   const MappingPhoto &photo_a = set.photos[a], &photo_b = set.photos[b];
+  const auto descriptors_a = photo_a.descriptors.Load();
+  const auto descriptors_b = photo_b.descriptors.Load();
   std::vector<FeatureMatch> matches =
-      MatchDescriptors({photo_a.descriptors, photo_a.keypoints},
-                       {photo_b.descriptors, photo_b.keypoints}, options.descriptors);
+      MatchDescriptors({*descriptors_a, photo_a.keypoints}, {*descriptors_b, photo_b.keypoints},
+                       options.descriptors);
   std::stable_sort(
       matches.begin(), matches.end(),
       [](const FeatureMatch& p, const FeatureMatch& q) { return p.distance < q.distance; });

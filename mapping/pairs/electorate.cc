@@ -28,9 +28,10 @@ DescriptorMatrix VotersOf(const MappingPhoto& photo, int max_voters) {
     return photo.keypoints[p].scale_px > photo.keypoints[q].scale_px;
   });
   order.resize(std::min<size_t>(order.size(), max_voters));
-  DescriptorMatrix voters(order.size(), photo.descriptors.cols());
+  const auto descriptors = photo.descriptors.Load();
+  DescriptorMatrix voters(order.size(), descriptors->cols());
   for (size_t i = 0; i < order.size(); ++i) {
-    voters.row(i) = photo.descriptors.row(order[i]).cast<float>();
+    voters.row(i) = descriptors->row(order[i]).cast<float>();
   }
   return voters;
 }

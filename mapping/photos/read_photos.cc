@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "core/descriptor_file.h"
 #include "core/error.h"
 #include "core/geoid.h"
 #include "core/images/gray_image.h"
@@ -28,8 +30,9 @@ constexpr size_t kMaxReasons = 3;  // In a message.
 
 // A photo after its file was read.
 struct FileResult {
-  std::string digest;  // Of the bytes; empty if the file cannot be read.
-  std::optional<ReadPhotoResult> photo;
+  std::string digest;                    // Of the bytes; empty if the file cannot be read.
+  std::optional<ReadPhotoResult> photo;  // Without descriptors.
+  StoredDescriptors descriptors;
   std::string reason;  // Why there is no photo.
   bool from_work = false;
 };
@@ -58,9 +61,24 @@ std::optional<std::vector<uint8_t>> BytesOfFile(const std::string& path, FileRes
   }
 }
 
+// In the file, if there is one.
+StoredDescriptors Keep(ByteDescriptorMatrix descriptors, DescriptorFile* file) {
+  if (file == nullptr) {
+    return descriptors;
+  }
+  try {
+    return file->Append(descriptors);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}. The features of a photo take up to half a megabyte "
+                                          "there. Name a folder on a disk with more space in the "
+                                          "environment variable TMPDIR",
+                                          error.what()));
+  }
+}
+
 // Errors of the work folder are not the photo's, and end the reading.
-FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor,
-                   const WorkFolder* work) {
+FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor, const WorkFolder* work,
+                   DescriptorFile* scratch) {
   FileResult result;
   const std::optional<std::vector<uint8_t>> bytes = BytesOfFile(file.path, &result);
   if (!bytes) {
@@ -72,6 +90,7 @@ FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor,
   if (work != nullptr) {
     if (const auto stored = work->Load(name, key)) {
       result.photo = DecodeReadPhoto(*stored, extractor.descriptor_dim(), work->PathOf(name));
+      result.descriptors = Keep(std::move(result.photo->descriptors), scratch);
       result.from_work = true;
       return result;
     }
@@ -88,6 +107,7 @@ FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor,
   if (work != nullptr) {
     work->Store(name, key, EncodeReadPhoto(*result.photo));
   }
+  result.descriptors = Keep(std::move(result.photo->descriptors), scratch);
   return result;
 }
 
@@ -95,10 +115,13 @@ std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
                                 const FeatureExtractor& extractor, const ReadPhotosOptions& options,
                                 const PhotosProgress& progress) {
   std::vector<FileResult> results(files.size());
+  const std::shared_ptr<DescriptorFile> scratch =
+      options.scratch_dir.empty() ? nullptr : DescriptorFile::Create(options.scratch_dir);
   std::mutex mutex;
-  ReadShare share = {.num_photos = static_cast<int>(files.size())};
+  ReadShare share = {.num_photos = static_cast<int>(files.size()),
+                     .has_descriptors_on_disk = scratch != nullptr};
   ParallelFor(share.num_photos, options.num_threads, [&](int i) {
-    results[i] = ReadOne(files[i], extractor, options.work);
+    results[i] = ReadOne(files[i], extractor, options.work, scratch.get());
     const std::lock_guard<std::mutex> lock(mutex);
     ++share.num_read;
     share.num_keypoints += results[i].photo ? std::ssize(results[i].photo->keypoints) : 0;
@@ -168,12 +191,13 @@ std::optional<Geodetic> GpsOf(const ExifInfo& exif) {
   return gps;
 }
 
-MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult read) {
+MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult read,
+                     StoredDescriptors descriptors) {
   MappingPhoto photo;
   photo.name = name;
   photo.camera_idx = camera_idx;
   photo.keypoints = std::move(read.keypoints);
-  photo.descriptors = std::move(read.descriptors);
+  photo.descriptors = std::move(descriptors);
   photo.gps = GpsOf(read.exif);
   photo.gps_accuracy_m = read.exif.gps_error_m;
   photo.gps_has_height = read.exif.has_altitude;
@@ -224,8 +248,9 @@ PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtra
     folder.orientation_of_photo.push_back(results[i].photo->has_exif
                                               ? std::optional(results[i].photo->exif.orientation)
                                               : std::nullopt);
-    folder.set.photos.push_back(
-        PhotoOf(files[i].name, groups.camera_of_photo[idx], std::move(*results[i].photo)));
+    folder.set.photos.push_back(PhotoOf(files[i].name, groups.camera_of_photo[idx],
+                                        std::move(*results[i].photo),
+                                        std::move(results[i].descriptors)));
     results[i].photo.reset();
   }
   folder.digest = hash.Hex();

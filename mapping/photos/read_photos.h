@@ -22,6 +22,8 @@ struct ReadPhotosOptions {
   const WorkFolder* work = nullptr;
   int num_threads = 1;                           // The result does not depend on it.
   std::optional<uint64_t> available_bytes = {};  // Of memory, for all stages of mapping.
+  // Keeps the descriptors on the disk of this folder instead of in memory. Empty: does not.
+  std::string scratch_dir = {};
   // Of several copies of a photo, the one of such a name is kept: those of a table of positions.
   std::set<std::string> names_to_keep = {};
 };
@@ -50,7 +52,7 @@ using PhotosProgress = std::function<void(int done, int total)>;
 // are left out, each with a reason. Of copies, the one of `names_to_keep` stays, or else the one of
 // the shortest name. `progress` is called by one thread at a time. Throws as FindPhotoFiles;
 // Error(kBadInput), with reasons, if no photo can be read, or if mapping them would take more
-// memory than there is; Error(kIo) if the work folder cannot be written.
+// memory than there is; Error(kIo) if the work folder or the scratch folder cannot be written.
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtractor& extractor,
                        const ReadPhotosOptions& options, const PhotosProgress& progress = {});
 

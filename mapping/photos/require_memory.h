@@ -11,6 +11,7 @@ struct ReadShare {
   int num_photos = 0;  // In all.
   int num_read = 0;
   int64_t num_keypoints = 0;  // Of those that were read.
+  bool has_descriptors_on_disk = false;
 };
 
 // Throws Error(kBadInput) if mapping the photos that were read takes more memory than

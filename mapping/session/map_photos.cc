@@ -102,6 +102,7 @@ void Mapper::Read() {
                         .work = work_.get(),
                         .num_threads = input_.num_threads,
                         .available_bytes = AvailableMemoryBytes(),
+                        .scratch_dir = input_.scratch_dir,
                         .names_to_keep = NamesInTable(input_)},
                        Reporter("photos"));
   const int num_read = static_cast<int>(folder_.set.photos.size());
@@ -249,18 +250,16 @@ Growth Mapper::Grow() {
 
 MappedPhotos Mapper::Place(const Growth& growth) {
   StageClock clock("placement", &stages_);
-  bool is_from_work = false;
-  MappedPhotos mapped =
-      PlaceGrowth(growth, places_, cameras_as_read_,
+  PlacedGrowth placed =
+      PlaceGrowth(growth, folder_.set, places_, cameras_as_read_,
                   {.georegister = georegister_,
                    .adjust = options_.adjust,
                    .keeps_unplaced = input_.keeps_unplaced,
                    .work = work_.get(),
                    .key = PlacementKeyOf(segments_key_, options_.adjust, georegister_),
-                   .progress = progress_},
-                  &folder_.set, &is_from_work);
-  clock.End(is_from_work);
-  return mapped;
+                   .progress = progress_});
+  clock.End(placed.is_from_work);
+  return std::move(placed.mapped);
 }
 
 // What is known of the photos since they were read, and the stages.

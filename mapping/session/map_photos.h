@@ -47,6 +47,8 @@ struct MapPhotosInput {
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.
   std::string work_dir;                   // Empty: nothing is kept.
+  // As ReadPhotosOptions::scratch_dir. The model, too, then has its descriptors there.
+  std::string scratch_dir;
   // Segments that their positions do not place are kept for a map to place
   // (MappedPhotos::unplaced).
   bool keeps_unplaced = false;

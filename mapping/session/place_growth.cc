@@ -22,22 +22,20 @@ namespace {
 class Placement {
  public:
   Placement(const PhotoPlaces& places, std::span<const MappingCamera> cameras_as_read,
-            const PlaceGrowthOptions& options, PhotoSet* set)
-      : places_(places), cameras_as_read_(cameras_as_read), options_(options), set_(*set) {
+            const PlaceGrowthOptions& options, const PhotoSet& set)
+      : places_(places), cameras_as_read_(cameras_as_read), options_(options), set_(set) {
     result_.position_of_photo.resize(set_.photos.size());
     result_.center_of_photo.resize(set_.photos.size());
   }
 
-  MappedPhotos Run(const Growth& growth) {
+  PlacedGrowth Run(const Growth& growth) {
     PlaceAll(growth.segments);
     ReportLeftOut(growth);
     std::ranges::move(NotesOnEditedPhotos(result_.model, cameras_as_read_),
                       std::back_inserter(result_.notes));
     FillImages();
-    return std::move(result_);
+    return {std::move(result_), options_.work != nullptr && is_from_work_};
   }
-
-  bool is_from_work() const { return is_from_work_; }
 
  private:
   void PlaceAll(const std::vector<Segment>& segments);
@@ -48,12 +46,12 @@ class Placement {
   void StandAtPositions();
   void ReportLeftOut(const Growth& growth);
   void FillImages();
-  void FillDescriptors(const std::vector<int>& photo_of_image, Reconstruction* model);
+  void FillDescriptors(const std::vector<int>& photo_of_image, Reconstruction* model) const;
 
   const PhotoPlaces& places_;
   const std::span<const MappingCamera> cameras_as_read_;
   const PlaceGrowthOptions& options_;
-  PhotoSet& set_;
+  const PhotoSet& set_;
   bool is_from_work_ = true;
   MappedPhotos result_;
 };
@@ -188,10 +186,11 @@ void Placement::FillImages() {
   }
 }
 
-void Placement::FillDescriptors(const std::vector<int>& photo_of_image, Reconstruction* model) {
+void Placement::FillDescriptors(const std::vector<int>& photo_of_image,
+                                Reconstruction* model) const {
   for (size_t i = 0; i < model->images.size(); ++i) {
-    ByteDescriptorMatrix& descriptors = set_.photos[photo_of_image[i]].descriptors;
-    model->images[i].features.descriptors = PackedDescriptors(std::move(descriptors));
+    const StoredDescriptors& descriptors = set_.photos[photo_of_image[i]].descriptors;
+    model->images[i].features.descriptors = PackedDescriptors(descriptors);
   }
   model->descriptor_type = set_.descriptor_type;
   model->Validate();
@@ -199,19 +198,16 @@ void Placement::FillDescriptors(const std::vector<int>& photo_of_image, Reconstr
 
 }  // namespace
 
-MappedPhotos PlaceGrowth(const Growth& growth, const PhotoPlaces& places,
+PlacedGrowth PlaceGrowth(const Growth& growth, const PhotoSet& set, const PhotoPlaces& places,
                          std::span<const MappingCamera> cameras_as_read,
-                         const PlaceGrowthOptions& options, PhotoSet* set, bool* is_from_work) {
+                         const PlaceGrowthOptions& options) {
   if (growth.segments.empty()) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("no three of the {} photos show the same place from different places. "
                             "Take a photo every two or three steps, not only turning on the spot",
-                            set->photos.size()));
+                            set.photos.size()));
   }
-  Placement placement(places, cameras_as_read, options, set);
-  MappedPhotos mapped = placement.Run(growth);
-  *is_from_work = options.work != nullptr && placement.is_from_work();
-  return mapped;
+  return Placement(places, cameras_as_read, options, set).Run(growth);
 }
 
 }  // namespace cairn

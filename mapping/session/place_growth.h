@@ -25,13 +25,17 @@ struct PlaceGrowthOptions {
   MapProgress progress;              // May be empty.
 };
 
-// Returns what MapPhotos does, but for the stages, the number of photos that were found and those
-// that could not be read. Moves the descriptors out of `set`. `cameras_as_read` are those of the
-// set before any was corrected. `is_from_work` says whether the work folder had all results. Throws
-// as MapPhotos.
-MappedPhotos PlaceGrowth(const Growth& growth, const PhotoPlaces& places,
+struct PlacedGrowth {
+  // What MapPhotos returns, but for the stages, the number of photos that were found and those that
+  // could not be read.
+  MappedPhotos mapped;
+  bool is_from_work = false;  // The work folder had all results.
+};
+
+// `cameras_as_read` are those of the set before any was corrected. Throws as MapPhotos.
+PlacedGrowth PlaceGrowth(const Growth& growth, const PhotoSet& set, const PhotoPlaces& places,
                          std::span<const MappingCamera> cameras_as_read,
-                         const PlaceGrowthOptions& options, PhotoSet* set, bool* is_from_work);
+                         const PlaceGrowthOptions& options);
 
 }  // namespace cairn
 

@@ -23,7 +23,7 @@ TEST(PackedDescriptors, KeepWholeNumbersInBytes) {
   const DescriptorMatrix values = Values({0.0f, 255.0f, 7.0f, 1.0f, 3.0f, 2.0f});
   const PackedDescriptors packed = values;
   ASSERT_NE(packed.as_bytes(), nullptr);
-  EXPECT_EQ(packed.as_bytes()->coeff(0, 1), 255);
+  EXPECT_EQ(packed.as_bytes()->Load()->coeff(0, 1), 255);
   EXPECT_EQ(packed.rows(), 3);
   EXPECT_EQ(packed.cols(), 2);
   EXPECT_EQ(packed.Unpacked(), values);

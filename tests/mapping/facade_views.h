@@ -74,7 +74,8 @@ inline FacadeViews MakeFacadeViews(
                                    static_cast<float>(pixel->y() + noise(rng)), 2.0f, 0.0f});
       }
     }
-    photo.descriptors = ByteDescriptorMatrix::Zero(photo.keypoints.size(), 128);
+    photo.descriptors =
+        ByteDescriptorMatrix(ByteDescriptorMatrix::Zero(photo.keypoints.size(), 128));
     world.set.photos.push_back(std::move(photo));
   }
   for (int a = 0; a < static_cast<int>(photos.size()); ++a) {

@@ -130,7 +130,7 @@ TEST(FindPairs, WhoIsNotServedByAPanelAsksTheOthers) {
 TEST(FindPairs, PhotosWithoutFeaturesHaveNoPartners) {
   PhotoSet set = testing::PhotosOf(testing::StreetWorld().Reconstruct());
   set.photos[3].keypoints.clear();
-  set.photos[3].descriptors.resize(0, 128);
+  set.photos[3].descriptors = ByteDescriptorMatrix(0, 128);
   for (const auto& [a, b] : FindPairs(set, Few())) {
     EXPECT_TRUE(a != 3 && b != 3);
   }

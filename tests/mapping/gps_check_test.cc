@@ -25,7 +25,7 @@ PhotoSet Walk(int num_photos, uint64_t seed) {
   for (int i = 0; i < num_photos; ++i) {
     MappingPhoto photo;
     photo.name = std::to_string(i);
-    photo.descriptors.resize(0, 128);
+    photo.descriptors = ByteDescriptorMatrix(0, 128);
     photo.gps = GeodeticFromEcef(
         ecef_from_enu * Eigen::Vector3d(kStepM * i + noise(rng), noise(rng), 2.0 * noise(rng)));
     photo.gps_accuracy_m = kAccuracyM;

@@ -134,7 +134,7 @@ TEST(GrowSegments, PositionsThatAreFarOffCostNoPhoto) {
 TEST(GrowSegments, SaysWhyAPhotoIsNotInTheMap) {
   PhotoSet set = testing::PhotosOf(testing::StreetWorld(SmallStreet()).Reconstruct());
   set.photos[4].keypoints.clear();
-  set.photos[4].descriptors.resize(0, 128);
+  set.photos[4].descriptors = ByteDescriptorMatrix(0, 128);
   const Growth growth = Grow(set);
   EXPECT_EQ(growth.verdict_of_photo[4], PhotoVerdict::kNoTwoView);
   EXPECT_STREQ(ExplainVerdict(growth.verdict_of_photo[4]),

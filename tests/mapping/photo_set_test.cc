@@ -14,7 +14,7 @@ PhotoSet TwoPhotos() {
     MappingPhoto& photo = set.photos.emplace_back();
     photo.name = name;
     photo.keypoints.resize(2);
-    photo.descriptors = ByteDescriptorMatrix::Zero(2, 128);
+    photo.descriptors = ByteDescriptorMatrix(2, 128);
   }
   return set;
 }
@@ -23,7 +23,7 @@ TEST(PhotoSet, AcceptsPhotosWithAndWithoutFeatures) {
   PhotoSet set = TwoPhotos();
   EXPECT_NO_THROW(set.Validate());
   set.photos[1].keypoints.clear();
-  set.photos[1].descriptors.resize(0, 0);
+  set.photos[1].descriptors = {};
   EXPECT_NO_THROW(set.Validate());
 }
 
@@ -38,7 +38,7 @@ TEST(PhotoSet, RefusesWhatLaterStagesCouldNotRead) {
   set.photos[0].keypoints.pop_back();
   EXPECT_THROW(set.Validate(), Error);
   set = TwoPhotos();
-  set.photos[0].descriptors = ByteDescriptorMatrix::Zero(2, 64);
+  set.photos[0].descriptors = ByteDescriptorMatrix(2, 64);
   EXPECT_THROW(set.Validate(), Error);
 }
 

@@ -14,6 +14,7 @@
 #include "core/features/sift/sift_extractor.h"
 #include "core/keypoint_shape.h"
 #include "mapping/photos/photo_files.h"
+#include "support/file_size_limit.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 
@@ -129,7 +130,8 @@ TEST(ReadPhotos, TakesFeaturesOfAnyExtractor) {
     EXPECT_EQ(folder.set.descriptor_type, "grid");
     EXPECT_EQ(folder.set.photos[0].keypoints.size(), 20u);
     EXPECT_FALSE(HasScale(folder.set.photos[0].keypoints[3]));
-    EXPECT_TRUE(folder.set.photos[0].descriptors == ByteDescriptorMatrix::Constant(20, 2, 200));
+    EXPECT_TRUE(*folder.set.photos[0].descriptors.Load() ==
+                ByteDescriptorMatrix::Constant(20, 2, 200));
   }
   EXPECT_EQ(ReadPhotos({dir.path() / "photos"}, SiftExtractor(), options).num_from_work, 0);
 }
@@ -149,7 +151,7 @@ TEST(ReadPhotos, TakesFeaturesFromTheWorkFolder) {
   const MappingPhoto& b = second.set.photos[0];
   ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
   EXPECT_EQ(a.keypoints.back().x_px, b.keypoints.back().x_px);
-  EXPECT_TRUE(a.descriptors == b.descriptors);
+  EXPECT_TRUE(*a.descriptors.Load() == *b.descriptors.Load());
   const PhotoFolder third =
       ReadPhotos({dir.path() / "photos"}, SiftExtractor({.max_features = 30}), options);
   EXPECT_EQ(third.num_from_work, 0);
@@ -166,7 +168,41 @@ TEST(ReadPhotos, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one.digest, four.digest);
   for (size_t i = 0; i < one.set.photos.size(); ++i) {
     EXPECT_EQ(one.set.photos[i].name, four.set.photos[i].name);
-    EXPECT_TRUE(one.set.photos[i].descriptors == four.set.photos[i].descriptors);
+    EXPECT_TRUE(*one.set.photos[i].descriptors.Load() == *four.set.photos[i].descriptors.Load());
+  }
+}
+
+TEST(ReadPhotos, KeepsTheSameDescriptorsOnDisk) {
+  const testing::TempDir dir;
+  for (int i = 0; i < 6; ++i) {
+    Write(dir.path() / "photos" / (std::to_string(i) + ".pgm"), Picture(i + 1));
+  }
+  const WorkFolder work(dir.path() / "w");
+  const PhotoFolder in_memory = ReadPhotos({dir.path() / "photos"}, SiftExtractor(), {});
+  for (const int num_from_work : {0, 6}) {
+    const PhotoFolder on_disk =
+        ReadPhotos({dir.path() / "photos"}, SiftExtractor(),
+                   {.work = &work, .num_threads = 3, .scratch_dir = dir.path()});
+    EXPECT_EQ(on_disk.num_from_work, num_from_work);
+    EXPECT_EQ(on_disk.digest, in_memory.digest);
+    for (size_t i = 0; i < 6; ++i) {
+      EXPECT_TRUE(*on_disk.set.photos[i].descriptors.Load() ==
+                  *in_memory.set.photos[i].descriptors.Load());
+    }
+  }
+}
+
+TEST(ReadPhotos, SaysWhatToDoIfTheDiskIsFull) {
+  const testing::TempDir dir;
+  Write(dir.path() / "a.pgm", Picture(1));
+  const testing::FileSizeLimit limit(1000);
+  try {
+    ReadPhotos({dir.path()}, SiftExtractor(), {.scratch_dir = dir.path()});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_TRUE(std::string(error.what()).starts_with(dir.path().string() + ": ")) << error.what();
+    EXPECT_NE(std::string(error.what()).find("TMPDIR"), std::string::npos) << error.what();
   }
 }
 
@@ -179,19 +215,23 @@ TEST(ReadPhotos, RefusesMorePhotosThanTheMemoryTakes) {
   for (const MappingPhoto& photo : ReadPhotos({dir.path()}, SiftExtractor(), {}).set.photos) {
     num_keypoints += std::ssize(photo.keypoints);
   }
-  const auto needed_bytes = static_cast<uint64_t>(660 * num_keypoints);
-  for (const int num_threads : {1, 3}) {
-    EXPECT_NO_THROW(ReadPhotos({dir.path()}, SiftExtractor(),
-                               {.num_threads = num_threads, .available_bytes = needed_bytes}));
+  const auto expect_limit = [&](int64_t bytes_of_keypoint, ReadPhotosOptions options) {
+    const auto needed_bytes = static_cast<uint64_t>(bytes_of_keypoint * num_keypoints);
+    options.available_bytes = needed_bytes;
+    EXPECT_NO_THROW(ReadPhotos({dir.path()}, SiftExtractor(), options));
+    options.available_bytes = needed_bytes - 1;
     try {
-      ReadPhotos({dir.path()}, SiftExtractor(),
-                 {.num_threads = num_threads, .available_bytes = needed_bytes - 1});
+      ReadPhotos({dir.path()}, SiftExtractor(), options);
       FAIL();
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kBadInput);
       EXPECT_NE(std::string(error.what()).find("mapping 6 photos with some "), std::string::npos)
           << error.what();
     }
+  };
+  for (const int num_threads : {1, 3}) {
+    expect_limit(660, {.num_threads = num_threads});
+    expect_limit(532, {.num_threads = num_threads, .scratch_dir = dir.path()});
   }
 }
 

@@ -31,7 +31,7 @@ inline StreetSegment MakeStreetSegment(double position_sigma_m) {
     MappingPhoto photo;
     photo.name = image.name;
     photo.keypoints = image.features.keypoints;
-    photo.descriptors = image.features.descriptors.Unpacked().cast<uint8_t>();
+    photo.descriptors = *image.features.descriptors.as_bytes();
     street.set.photos.push_back(photo);
     image.features.descriptors = PackedDescriptors(ByteDescriptorMatrix(image.features.size(), 0));
     street.segment.photo_of_image.push_back(static_cast<int>(i));

@@ -25,7 +25,7 @@ inline PhotoSet PhotosOf(const Reconstruction& street) {
     photo.name = image.name;
     photo.camera_idx = image.camera_idx;
     photo.keypoints = image.features.keypoints;
-    photo.descriptors = image.features.descriptors.Unpacked().cast<uint8_t>();
+    photo.descriptors = *image.features.descriptors.as_bytes();
     set.photos.push_back(std::move(photo));
   }
   return set;
