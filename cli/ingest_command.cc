@@ -60,9 +60,10 @@ void AddIngestCommand(CLI::App* app, Shell* shell) {
                    "cores")
       ->check(CLI::PositiveNumber);
   command
-      ->add_option("--archive", arguments->archive_path,
-                   "Folder that keeps the session as it is ingested, for cairn rebuild. One folder "
-                   "for each map")
+      ->add_option(
+          "--archive", arguments->archive_path,
+          "Folder that keeps the session as it is ingested, for cairn rebuild. Made if there "
+          "is none. One folder for each map")
       ->type_name("DIR");
   command->footer(
       "Example:\n"

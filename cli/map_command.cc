@@ -135,13 +135,19 @@ void AddSessionOptions(CLI::App* command, MapArguments* arguments) {
                     "it if it has these photos under this name, else now",
                     &options.recorded_at);
   command
-      ->add_option("--archive", arguments->archive_path,
-                   "Folder that keeps the session as it is ingested, for cairn rebuild. One folder "
-                   "for each map")
+      ->add_option(
+          "--archive", arguments->archive_path,
+          "Folder that keeps the session as it is ingested, for cairn rebuild. Made if there "
+          "is none. One folder for each map")
       ->type_name("DIR");
-  command->add_flag(
+  CLI::Option* apart = command->add_flag(
       "--apart", arguments->session.apart,
       "Do not compare the session with the map, and keep its landmarks beside those of the map");
+  command->add_flag("--join")
+      ->description(
+          "The map stays, and the session is fitted to it. This is the default, so the flag "
+          "changes nothing; the opposite is --apart")
+      ->excludes(apart);
   AddForceFlag(command, &arguments->session.force);
   AddWaitOption(command, &arguments->session.wait_s);
   command

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -155,6 +156,18 @@ void Remove(const std::string& path) {
   }
 }
 
+// One level, so that a misspelled path makes no folder somewhere. Leaves what is there.
+void MakeIfMissing(const std::string& path) {
+  if (mkdir(path.c_str(), 0777) == 0 || errno == EEXIST) {
+    return;
+  }
+  if (errno == ENOENT) {
+    throw Error(ErrorCode::kNotFound,
+                path + ": the folder above this one does not exist; make it with mkdir");
+  }
+  ThrowIo(path, "cannot be made", errno);
+}
+
 bool IsPublished(const ArchiveManifest& manifest, const std::vector<MapSession>& sessions) {
   return std::ranges::any_of(sessions, [&](const MapSession& session) {
     return session.key == manifest.session && session.id == manifest.first_ids.session;
@@ -225,10 +238,13 @@ void RequireOf(const std::vector<ArchiveFile>& files, const ArchivedMap& map,
 }  // namespace
 
 ArchiveFolder::ArchiveFolder(const std::string& path, Use use) : path_(path) {
+  if (use == Use::kIngest) {
+    MakeIfMissing(path);
+  }
   folder_fd_ = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder_fd_ < 0) {
     if (errno == ENOENT) {
-      throw Error(ErrorCode::kNotFound, path + ": there is no such folder; make it with mkdir");
+      throw Error(ErrorCode::kNotFound, path + ": there is no such folder");
     }
     if (errno == ENOTDIR) {
       throw Error(ErrorCode::kBadInput, path + ": an archive is a folder, and this is a file");

@@ -38,10 +38,10 @@ class ArchiveFolder {
     kRebuild,  // Others may rebuild, too.
   };
 
-  // Reads the manifests of all sessions. Throws Error(kNotFound) if there is no such folder,
-  // Error(kBadInput) if it is not an archive or has two files of one number, Error(kConflict) if
-  // another process uses it, Error(kMapDamaged) if a manifest is damaged, and Error(kIo) if the
-  // folder cannot be read or, for an ingest, written.
+  // Reads the manifests of all sessions. An ingest makes the folder if the one above it exists.
+  // Throws Error(kNotFound) if there is no such folder, Error(kBadInput) if it is not an archive or
+  // has two files of one number, Error(kConflict) if another process uses it, Error(kMapDamaged) if
+  // a manifest is damaged, and Error(kIo) if the folder cannot be read or, for an ingest, written.
   ArchiveFolder(const std::string& path, Use use);
   // Leaves a staged file that was not committed to Recover: the map may have got the session.
   ~ArchiveFolder();

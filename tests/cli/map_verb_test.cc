@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -10,6 +11,9 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
+#include "cli/scratch_dir.h"
+#include "core/error.h"
+#include "support/expect_error.h"
 #include "support/temp_dir.h"
 
 namespace cairn::testing {
@@ -121,6 +125,30 @@ TEST_F(MapVerb, RefusesAMapInAFolderThatIsNotThere) {
 
 TEST_F(MapVerb, RefusesATimeBeforeItReadsPhotos) {
   ExpectRefused(Map({"--recorded", "monday"}), "2026-01-31T12:00:00Z");
+}
+
+TEST_F(MapVerb, TakesTheDefaultByName) {
+  ExpectRefused(Map({"--join"}), "there is no such folder");
+  const Finished both = Map({"--join", "--apart"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("--apart"));
+}
+
+TEST_F(MapVerb, MakesTheArchiveButNotTheFolderAboveIt) {
+  AddPhoto("1.pgm", 1);
+  ExpectRefused(Map({"--archive", dir_.File("none/archive")}), "the folder above this one");
+  ExpectRefused(Map({"--archive", dir_.File("archive")}), "1 of 1 photos can be read");
+  EXPECT_TRUE(std::filesystem::is_directory(dir_.File("archive")));
+}
+
+TEST_F(MapVerb, NamesAFolderForScratchFilesThatIsNotThere) {
+  const char* before = std::getenv("TMPDIR");
+  const std::string folder = before == nullptr ? "" : before;
+  setenv("TMPDIR", dir_.File("none").c_str(), 1);
+  ExpectError([] { ScratchDir(); }, ErrorCode::kIo, "environment variable TMPDIR");
+  setenv("TMPDIR", dir_.File("").c_str(), 1);
+  EXPECT_EQ(ScratchDir(), dir_.File(""));
+  before == nullptr ? unsetenv("TMPDIR") : setenv("TMPDIR", folder.c_str(), 1);
 }
 
 TEST_F(MapVerb, RefusesAFolderThatIsNotThere) { ExpectRefused(Map(), "there is no such folder"); }

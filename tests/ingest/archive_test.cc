@@ -343,9 +343,18 @@ TEST_F(Archive, IsUsedByOneIngestAtATime) {
   ExpectError([&] { ArchiveFolder(path_, Use::kIngest); }, ErrorCode::kConflict, "another process");
 }
 
+TEST_F(Archive, IsMadeByTheFirstIngest) {
+  const ArchiveFolder made(dir_.File("new"), Use::kIngest);
+  EXPECT_TRUE(fs::is_directory(dir_.File("new")));
+  EXPECT_TRUE(made.files().empty());
+}
+
 TEST_F(Archive, RefusesFoldersThatAreNone) {
-  ExpectError([&] { ArchiveFolder(dir_.File("none"), Use::kIngest); }, ErrorCode::kNotFound,
+  ExpectError([&] { ArchiveFolder(dir_.File("none/none"), Use::kIngest); }, ErrorCode::kNotFound,
               "mkdir");
+  EXPECT_FALSE(fs::exists(dir_.File("none")));
+  ExpectError([&] { ArchiveFolder(dir_.File("none"), Use::kRebuild); }, ErrorCode::kNotFound,
+              "no such folder");
   std::ofstream(dir_.File("file")) << "x";
   ExpectError([&] { ArchiveFolder(dir_.File("file"), Use::kIngest); }, ErrorCode::kBadInput,
               "is a file");
