@@ -102,8 +102,8 @@ void PrintIngestJson(const std::string& session_name, const Georegistration& geo
 }
 
 void PrintGeoregistration(const Georegistration& georegistration) {
-  if (georegistration.num_positions == 0 && georegistration.median_residual_m == 0.0) {
-    return;  // The map placed the session.
+  if (georegistration.is_by_map) {
+    return;
   }
   if (georegistration.num_positions == 0) {
     fmt::print("georegistration  residual {:.3f} m median\n", georegistration.median_residual_m);

@@ -92,6 +92,9 @@ struct UpReport {
 
 struct Georegistration {
   Sim3d ecef_from_world;
+  // No positions place the session, but the answers of a map; then nothing but the accuracies is
+  // set.
+  bool is_by_map = false;
   UpReport up;
   int num_positions = 0;           // Positions whose image is in the reconstruction.
   int num_inliers = 0;             // Positions within six times their accuracy.

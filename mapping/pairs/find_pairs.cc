@@ -1,13 +1,19 @@
 #include "mapping/pairs/find_pairs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <tuple>
 
+#include "core/error.h"
 #include "core/parallel_for.h"
+#include "core/printable.h"
 #include "core/random.h"
 #include "core/require.h"
+#include "ingest/codebook/shipped_codebook.h"
 #include "mapping/pairs/divide_polls.h"
 #include "mapping/pairs/electorate.h"
 
@@ -26,6 +32,22 @@ std::vector<std::pair<int, int>> AllPairs(int num_photos) {
     }
   }
   return pairs;
+}
+
+// The codebook in which photos vote, and the matching of the pairs, are for these alone.
+void RequireSift(const PhotoSet& set) {
+  const std::shared_ptr<const Codebook> codebook = ShippedCodebook();
+  for (const MappingPhoto& photo : set.photos) {
+    if (!photo.keypoints.empty() && (set.descriptor_type != codebook->descriptor_type ||
+                                     photo.descriptors.cols() != codebook->raw_dim())) {
+      throw Error(
+          ErrorCode::kBadInput,
+          fmt::format("photo {} has {}-D descriptors of type '{}'; photos are paired by "
+                      "{}-D ones of type '{}' alone",
+                      Excerpt(photo.name), photo.descriptors.cols(), Excerpt(set.descriptor_type),
+                      codebook->raw_dim(), codebook->descriptor_type));
+    }
+  }
 }
 
 // Takes photos out of the pool, all or `max_panel` from all over it. A fixed step would take all
@@ -153,6 +175,7 @@ std::vector<std::pair<int, int>> FindPairs(
     const PhotoSet& set, const PairOptions& options,
     const std::function<void(int done, int total)>& progress) {
   options.Validate();
+  RequireSift(set);
   const int num_photos = static_cast<int>(set.photos.size());
   if (num_photos <= options.max_exhaustive) {
     return AllPairs(num_photos);

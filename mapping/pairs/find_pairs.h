@@ -42,7 +42,8 @@ struct PairOptions {
 // a panel of those that are left; photos that chose are not asked any more. Time is therefore
 // linear in the number of photos if these have positions and spread over ground, and if they show
 // one place many times: about 10 ms a photo and panel. Memory beside the set is 16 kB a photo and
-// an index of one panel. `progress` receives photos done and their number.
+// an index of one panel. `progress` receives photos done and their number. Throws Error(kBadInput)
+// for descriptors that are not those of the shipped codebook.
 std::vector<std::pair<int, int>> FindPairs(
     const PhotoSet& set, const PairOptions& options,
     const std::function<void(int done, int total)>& progress = {});

@@ -124,13 +124,11 @@ std::vector<TwoView> Mapper::Match(const char* stage, const std::string& file,
                                    const std::string& key,
                                    std::span<const std::pair<int, int>> pairs) {
   StageClock clock(stage, &stages_);
-  bool is_from_work = false;
-  std::vector<TwoView> views =
-      FindTwoViewsInParts(folder_.set, pairs, options_.two_views, {work_.get(), file, key},
-                          Reporter(stage), &is_from_work);
-  SettlePlanes(folder_.set, input_.num_threads, &views);
-  clock.End(is_from_work);
-  return views;
+  MatchedParts matched = FindTwoViewsInParts(folder_.set, pairs, options_.two_views,
+                                             {work_.get(), file, key}, Reporter(stage));
+  SettlePlanes(folder_.set, input_.num_threads, &matched.views);
+  clock.End(matched.is_from_work);
+  return std::move(matched.views);
 }
 
 void Mapper::FindPairsOnce() {

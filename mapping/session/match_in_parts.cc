@@ -15,13 +15,12 @@ constexpr size_t kPairsPerFile = 256;
 
 }  // namespace
 
-std::vector<TwoView> FindTwoViewsInParts(const PhotoSet& set,
-                                         std::span<const std::pair<int, int>> pairs,
-                                         const TwoViewOptions& options, const KeptParts& kept,
-                                         const StepProgress& progress, bool* is_from_work) {
+MatchedParts FindTwoViewsInParts(const PhotoSet& set, std::span<const std::pair<int, int>> pairs,
+                                 const TwoViewOptions& options, const KeptParts& kept,
+                                 const StepProgress& progress) {
   const int num_pairs = static_cast<int>(pairs.size());
-  std::vector<TwoView> views;
-  *is_from_work = kept.work != nullptr;
+  MatchedParts matched;
+  matched.is_from_work = kept.work != nullptr;
   for (size_t first = 0; first < pairs.size(); first += kPairsPerFile) {
     const std::string name = fmt::format("{}-{:05}", kept.file, first / kPairsPerFile);
     std::vector<TwoView> part;
@@ -29,7 +28,7 @@ std::vector<TwoView> FindTwoViewsInParts(const PhotoSet& set,
     if (stored) {
       part = DecodeTwoViews(*stored, set, kept.work->PathOf(name));
     } else {
-      *is_from_work = false;
+      matched.is_from_work = false;
       const size_t count = std::min(kPairsPerFile, pairs.size() - first);
       part = FindTwoViews(set, pairs.subspan(first, count), options, [&](int done, int) {
         progress(static_cast<int>(first) + done, num_pairs);
@@ -38,9 +37,9 @@ std::vector<TwoView> FindTwoViewsInParts(const PhotoSet& set,
         kept.work->Store(name, kept.key, EncodeTwoViews(part));
       }
     }
-    std::move(part.begin(), part.end(), std::back_inserter(views));
+    std::move(part.begin(), part.end(), std::back_inserter(matched.views));
   }
-  return views;
+  return matched;
 }
 
 }  // namespace cairn

@@ -20,11 +20,15 @@ struct KeptParts {
   std::string key;
 };
 
-// As FindTwoViews. `is_from_work` receives whether the folder had all parts.
-std::vector<TwoView> FindTwoViewsInParts(const PhotoSet& set,
-                                         std::span<const std::pair<int, int>> pairs,
-                                         const TwoViewOptions& options, const KeptParts& kept,
-                                         const StepProgress& progress, bool* is_from_work);
+struct MatchedParts {
+  std::vector<TwoView> views;
+  bool is_from_work = false;  // The folder had all parts.
+};
+
+// As FindTwoViews.
+MatchedParts FindTwoViewsInParts(const PhotoSet& set, std::span<const std::pair<int, int>> pairs,
+                                 const TwoViewOptions& options, const KeptParts& kept,
+                                 const StepProgress& progress);
 
 }  // namespace cairn
 

@@ -161,6 +161,7 @@ void Placement::StandAtPositions() {
   result_.ecef_from_world = {1.0, ecef_from_enu.rotation, ecef_from_enu.translation};
   Georegistration& georegistration = result_.georegistration;
   georegistration.ecef_from_world = result_.ecef_from_world;
+  georegistration.is_by_map = true;
   georegistration.stated_accuracy_m = Median(std::move(accuracies_m));
   georegistration.accuracy = {.position_m = georegistration.stated_accuracy_m, .rotation_rad = kPi};
 }

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "core/error.h"
+#include "support/expect_error.h"
 #include "support/street_photos.h"
 
 namespace cairn {
@@ -125,6 +128,23 @@ TEST(FindPairs, WhoIsNotServedByAPanelAsksTheOthers) {
     }
   }
   EXPECT_GE(*std::min_element(num_good.begin(), num_good.end()), 4);
+}
+
+TEST(FindPairs, TakesDescriptorsOfTheShippedCodebookAlone) {
+  PhotoSet set;
+  set.cameras.emplace_back();
+  set.photos.resize(2);
+  set.photos[1].name = "b.jpg";
+  set.photos[1].keypoints.resize(3);
+  const auto expect_refused = [&](const std::string& text) {
+    testing::ExpectError([&] { FindPairs(set, {}); }, ErrorCode::kBadInput, text);
+  };
+  set.photos[1].descriptors = ByteDescriptorMatrix(3, 64);
+  expect_refused("photo b.jpg has 64-D descriptors of type 'sift'");
+  set.photos[1].descriptors = ByteDescriptorMatrix(3, 128);
+  EXPECT_EQ(FindPairs(set, {}).size(), 1u);
+  set.descriptor_type = "orb";
+  expect_refused("photo b.jpg has 128-D descriptors of type 'orb'");
 }
 
 TEST(FindPairs, PhotosWithoutFeaturesHaveNoPartners) {
