@@ -42,23 +42,32 @@ Progress::Progress(ProgressMode mode) : mode_(mode) {
 
 Progress::~Progress() { EndLine(); }
 
+bool Progress::IsStep(const std::string& phase) const {
+  return !phase_.name.empty() && phase.starts_with(phase_.name + ": ");
+}
+
+bool Progress::IsTimeToWrite() const {
+  return std::chrono::steady_clock::now() - last_output_ >= MinInterval(mode_);
+}
+
 void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
-  const bool new_phase = phase != phase_;
+  if (IsStep(phase)) {
+    UpdateStep(phase, done, total);
+    return;
+  }
+  const bool new_phase = phase != phase_.name;
   const bool complete = total > 0 && done >= total;
   if (!new_phase && phase_complete_) {
     return;
   }
+  step_ = {};
   if (new_phase) {
     EndLine();
-    phase_ = phase;
+    phase_ = {phase, std::chrono::steady_clock::now(), done, done};
     phase_complete_ = false;
-    phase_start_ = std::chrono::steady_clock::now();
-    phase_start_done_ = done;
   }
-  const auto now = std::chrono::steady_clock::now();
-  if (new_phase || complete || now - last_output_ >= MinInterval(mode_)) {
-    last_output_ = now;
-    Write(done, total);
+  if (new_phase || complete || IsTimeToWrite()) {
+    Write(phase_, done, total);
   }
   if (complete) {
     phase_complete_ = true;
@@ -66,31 +75,42 @@ void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
   }
 }
 
-std::optional<double> Progress::SecondsLeft(int64_t done, int64_t total) const {
+void Progress::UpdateStep(const std::string& step, int64_t done, int64_t total) {
+  if (step != step_.name || done < step_.last_done) {
+    step_ = {step, std::chrono::steady_clock::now(), done, done};
+  }
+  step_.last_done = done;
+  if (IsTimeToWrite()) {
+    Write(step_, done, total);
+  }
+}
+
+std::optional<double> Progress::SecondsLeft(const Count& count, int64_t done, int64_t total) {
   constexpr double kLeastSeconds = 10.0;
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - phase_start_;
-  if (done <= phase_start_done_ || done >= total || taken.count() < kLeastSeconds) {
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - count.start;
+  if (done <= count.start_done || done >= total || taken.count() < kLeastSeconds) {
     return std::nullopt;
   }
   return taken.count() * static_cast<double>(total - done) /
-         static_cast<double>(done - phase_start_done_);
+         static_cast<double>(done - count.start_done);
 }
 
-void Progress::Write(int64_t done, int64_t total) {
-  const std::optional<double> left_s = SecondsLeft(done, total);
+void Progress::Write(const Count& count, int64_t done, int64_t total) {
+  last_output_ = std::chrono::steady_clock::now();
+  const std::optional<double> left_s = SecondsLeft(count, done, total);
   switch (mode_) {
     case ProgressMode::kAuto:
     case ProgressMode::kBar:
-      fmt::print(stderr, "\r\033[K{:<14} [{}] {}/{}{}", phase_, Bar(done, total), done, total,
+      fmt::print(stderr, "\r\033[K{:<14} [{}] {}/{}{}", count.name, Bar(done, total), done, total,
                  TimeLeft(left_s));
       std::fflush(stderr);
       line_open_ = true;
       break;
     case ProgressMode::kPlain:
-      fmt::print(stderr, "{}: {}/{}{}\n", phase_, done, total, TimeLeft(left_s));
+      fmt::print(stderr, "{}: {}/{}{}\n", count.name, done, total, TimeLeft(left_s));
       break;
     case ProgressMode::kJson: {
-      nlohmann::ordered_json line = {{"phase", phase_}, {"done", done}, {"total", total}};
+      nlohmann::ordered_json line = {{"phase", count.name}, {"done", done}, {"total", total}};
       if (left_s) {
         line["secondsLeft"] = std::round(*left_s);
       }

@@ -27,22 +27,33 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   // Cheap to call often: at most a few lines appear per second. A new `phase` begins a new line;
-  // done == total completes the phase. A total of 0 means "unknown".
+  // done == total completes the phase. A total of 0 means "unknown". A name that begins with that
+  // of the phase and ": " is of a step within the phase, which goes on after it; a short step shows
+  // nothing.
   void Update(const std::string& phase, int64_t done, int64_t total);
 
  private:
-  void Write(int64_t done, int64_t total);
-  // Of the phase; empty while ten seconds do not tell it.
-  std::optional<double> SecondsLeft(int64_t done, int64_t total) const;
+  // What counts from a start.
+  struct Count {
+    std::string name;
+    std::chrono::steady_clock::time_point start;
+    int64_t start_done = 0;  // Those that were done at the start.
+    int64_t last_done = 0;
+  };
+
+  bool IsStep(const std::string& phase) const;
+  void UpdateStep(const std::string& step, int64_t done, int64_t total);
+  bool IsTimeToWrite() const;
+  void Write(const Count& count, int64_t done, int64_t total);
+  // Empty while ten seconds do not tell it.
+  static std::optional<double> SecondsLeft(const Count& count, int64_t done, int64_t total);
   void EndLine();
 
   ProgressMode mode_;
-  std::string phase_;
+  Count phase_, step_;
   bool line_open_ = false;
   bool phase_complete_ = false;
   std::chrono::steady_clock::time_point last_output_;
-  std::chrono::steady_clock::time_point phase_start_;
-  int64_t phase_start_done_ = 0;  // Steps that were done when the phase began.
 };
 
 }  // namespace cairn

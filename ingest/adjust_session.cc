@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <span>
 
-#include "core/adjust/adjust.h"
 #include "core/error.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
@@ -37,10 +36,10 @@ Reconstruction ModelOf(const Reconstruction& reconstruction, const PlacedSession
 
 // Nothing if the solver fails.
 std::optional<AdjustReport> AdjustIfSolved(const AdjustPriors& priors, const AdjustOptions& options,
-                                           Reconstruction* model) {
+                                           const AdjustProgress& progress, Reconstruction* model) {
   const std::vector<CameraFreedom> freedoms(model->cameras.size(), CameraFreedom::kFixed);
   try {
-    return Adjust(freedoms, priors, options, *model);
+    return Adjust(freedoms, priors, options, *model, progress);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInternal) {
       throw;
@@ -68,7 +67,8 @@ Eigen::Vector3d Placed(const Reconstruction& before, const Reconstruction& adjus
 
 JointAdjustment AdjustSession(const Reconstruction& reconstruction,
                               const std::vector<std::optional<Eigen::Vector3d>>& known_in_ecef,
-                              int num_threads, PlacedSession* session) {
+                              int num_threads, PlacedSession* session,
+                              const AdjustProgress& progress) {
   JointAdjustment joint;
   AdjustPriors priors;
   for (const auto& known : known_in_ecef) {
@@ -84,7 +84,7 @@ JointAdjustment AdjustSession(const Reconstruction& reconstruction,
   Reconstruction model = before;
   AdjustOptions options;
   options.num_threads = num_threads;
-  const std::optional<AdjustReport> report = AdjustIfSolved(priors, options, &model);
+  const std::optional<AdjustReport> report = AdjustIfSolved(priors, options, progress, &model);
   if (!report) {
     return {};
   }

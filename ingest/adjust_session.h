@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/adjust/adjust.h"
 #include "core/scene/reconstruction.h"
 #include "ingest/tiles/placed_session.h"
 
@@ -27,7 +28,8 @@ struct JointAdjustment {
 // the observations, apart from a sparse factorization.
 JointAdjustment AdjustSession(const Reconstruction& reconstruction,
                               const std::vector<std::optional<Eigen::Vector3d>>& known_in_ecef,
-                              int num_threads, PlacedSession* session);
+                              int num_threads, PlacedSession* session,
+                              const AdjustProgress& progress = {});
 
 }  // namespace cairn
 

@@ -178,7 +178,7 @@ void CheckSizes(std::span<const CameraFreedom> freedom_of_camera, const AdjustPr
 
 AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera,
                     const AdjustPriors& given_priors, const AdjustOptions& options,
-                    Reconstruction& model) {
+                    Reconstruction& model, const AdjustProgress& progress) {
   options.Validate();
   CheckSizes(freedom_of_camera, given_priors, model);
   AdjustPriors priors = given_priors;  // Flags of landmarks go as landmarks do.
@@ -193,7 +193,12 @@ AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera,
   for (int round = 0; round < options.max_rounds && kept.num_observations > 0; ++round) {
     AdjustProblem problem(freedom_of_camera, cameras.adjustable, priors, options, model);
     problem.StartFrom(cameras.unknowns);
-    const ceres::Solver::Summary summary = problem.Solve();
+    const ceres::Solver::Summary summary = problem.Solve([&](int iteration) {
+      if (progress) {
+        progress(round * options.max_iterations + iteration,
+                 options.max_rounds * options.max_iterations);
+      }
+    });
     problem.Store(cameras.unknowns, &model);
     TriangulateFollowing(cameras, problem.roles(), options.num_threads, &model);
     report.num_rounds = round + 1;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -88,6 +89,10 @@ struct AdjustOptions {
   void Validate() const;
 };
 
+// Receives the iterations of the solver that are done and the most that there may be. If it throws,
+// the adjustment ends with what it threw.
+using AdjustProgress = std::function<void(int done, int most)>;
+
 struct AdjustReport {
   int num_rounds = 0;
   int num_iterations = 0;
@@ -115,9 +120,11 @@ struct AdjustReport {
 // The same result on any number of threads. Linear in the number of observations, apart from the
 // factorization of the poses' system, which is sparse where the scene is long and dense where all
 // photos see the same; hundreds of these are solved by iterations. If no step can be computed, the
-// poses and the landmarks stay where they are. Throws Error(kInternal) if the solver fails.
+// poses and the landmarks stay where they are. Throws Error(kInternal) if the solver fails; `model`
+// is then, and if `progress` throws, somewhere between its start and the result.
 AdjustReport Adjust(std::span<const CameraFreedom> freedom_of_camera, const AdjustPriors& priors,
-                    const AdjustOptions& options, Reconstruction& model);
+                    const AdjustOptions& options, Reconstruction& model,
+                    const AdjustProgress& progress = {});
 
 }  // namespace cairn
 

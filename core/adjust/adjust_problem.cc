@@ -1,11 +1,14 @@
 #include "core/adjust/adjust_problem.h"
 
+#include <ceres/iteration_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/ordered_groups.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <functional>
 #include <limits>
 #include <memory>
 
@@ -30,6 +33,32 @@ ceres::LinearSolverType CeresSolver(PoseSolver solver) {
   }
   return ceres::SPARSE_SCHUR;
 }
+
+// Keeps what the progress throws, since nothing may be thrown through Ceres.
+class IterationReporter final : public ceres::IterationCallback {
+ public:
+  explicit IterationReporter(const std::function<void(int)>& progress) : progress_(progress) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    try {
+      progress_(summary.iteration);
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return ceres::SOLVER_ABORT;
+    }
+    return ceres::SOLVER_CONTINUE;
+  }
+
+  void Rethrow() const {
+    if (thrown_) {
+      std::rethrow_exception(thrown_);
+    }
+  }
+
+ private:
+  const std::function<void(int)>& progress_;
+  std::exception_ptr thrown_;
+};
 
 }  // namespace
 
@@ -213,7 +242,7 @@ void AdjustProblem::StartFrom(std::span<const CameraUnknowns> unknowns) {
   }
 }
 
-ceres::Solver::Summary AdjustProblem::Solve() {
+ceres::Solver::Summary AdjustProblem::Solve(const std::function<void(int)>& progress) {
   ceres::Solver::Options options = QuietCeresOptions();
   // One thread: Ceres adds up the sums of several threads in the order in which they end.
   // Eigen's factorization: CHOLMOD's would call a BLAS that divides sums by the number of cores.
@@ -245,8 +274,11 @@ ceres::Solver::Summary AdjustProblem::Solve() {
     }
   }
   options.linear_solver_ordering = ordering;
+  IterationReporter reporter(progress);
+  options.callbacks.push_back(&reporter);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
+  reporter.Rethrow();
   if (!summary.IsSolutionUsable()) {
     throw Error(ErrorCode::kInternal, fmt::format("the bundle adjustment of {} photos failed: {}",
                                                   model_.images.size(), summary.message));

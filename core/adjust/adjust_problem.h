@@ -5,6 +5,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -22,8 +23,9 @@ class AdjustProblem {
                 std::span<const AdjustableCamera> cameras, const AdjustPriors& priors,
                 const AdjustOptions& options, const Reconstruction& model);
 
-  // Throws Error(kInternal) if the solver fails.
-  ceres::Solver::Summary Solve();
+  // `progress` receives the number of each iteration. Throws Error(kInternal) if the solver fails,
+  // and what `progress` throws.
+  ceres::Solver::Summary Solve(const std::function<void(int iteration)>& progress);
 
   // Writes what was solved, which leaves out landmarks that follow, and CameraUnknowns for each
   // camera.

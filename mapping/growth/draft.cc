@@ -20,14 +20,15 @@ constexpr double kMaxFocalSigmas = 2.0;
 
 // False if the solver fails; the model is then what it was.
 bool TryAdjust(const std::vector<CameraFreedom>& freedom, const AdjustPriors& priors,
-               const AdjustOptions& options, Reconstruction* model) {
+               const AdjustOptions& options, Reconstruction* model,
+               const AdjustProgress& progress = {}) {
   std::vector<Rigid3d> poses;
   for (const ReconImage& image : model->images) {
     poses.push_back(image.cam_from_world);
   }
   const std::vector<ReconLandmark> landmarks = model->landmarks;
   try {
-    Adjust(freedom, priors, options, *model);
+    Adjust(freedom, priors, options, *model, progress);
     return true;
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kInternal) {
@@ -324,7 +325,7 @@ bool Draft::HoldStrayCameras() {
   return has_strayed;
 }
 
-bool Draft::AdjustAll(bool is_final) {
+bool Draft::AdjustAll(bool is_final, const AdjustProgress& progress) {
   std::vector<int> num_images(model_.cameras.size(), 0);
   for (const ReconImage& image : model_.images) {
     ++num_images[image.camera_idx];
@@ -341,12 +342,12 @@ bool Draft::AdjustAll(bool is_final) {
   }
   AdjustOptions options;
   options.num_threads = num_threads_;
-  if (!TryAdjust(freedom, priors, options, &model_)) {
+  if (!TryAdjust(freedom, priors, options, &model_, progress)) {
     return false;
   }
   IndexLandmarks();
   if (HoldStrayCameras()) {
-    return AdjustAll(is_final);
+    return AdjustAll(is_final, progress);
   }
   Triangulate(photo_of_image_);
   return true;

@@ -65,7 +65,7 @@ class Draft {
   // adjusted; those of EXIF, and distortions, only if `is_final` and enough photos have the camera.
   // False if the solver fails; nothing changes then, unless a focal length that strayed had been
   // reset.
-  bool AdjustAll(bool is_final = false);
+  bool AdjustAll(bool is_final = false, const AdjustProgress& progress = {});
 
   // The photos in the order of the set.
   Segment Finish() const;

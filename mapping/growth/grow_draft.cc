@@ -33,6 +33,7 @@ class DraftGrower {
         options_(scene.options),
         graph_(scene.graph),
         proposer_(scene.proposer),
+        adjustment_(scene.adjustment),
         progress_(progress),
         draft_(draft),
         verdicts_(*verdicts),
@@ -185,12 +186,12 @@ class DraftGrower {
 
   // Adjusts the whole draft. If the solver fails, the photos of `since` leave it.
   void AdjustAll(const std::vector<int>& since, bool is_final) {
-    if (!draft_->AdjustAll(is_final)) {
+    if (!draft_->AdjustAll(is_final, adjustment_)) {
       Remove(since);
     }
     RemoveWeak();
     while (RemoveContradicted(draft_->photos())) {
-      draft_->AdjustAll(is_final);
+      draft_->AdjustAll(is_final, adjustment_);
       RemoveWeak();
     }
   }
@@ -234,11 +235,11 @@ class DraftGrower {
     // Landmarks that fit only now join the adjustment. Those of many photos do so when the segment
     // is placed.
     for (int round = 0; round < 2 && draft_->num_photos() <= kManyPhotos; ++round) {
-      draft_->AdjustAll(/*is_final=*/true);
+      draft_->AdjustAll(/*is_final=*/true, adjustment_);
     }
     RemoveWeak();
     while (RemoveContradicted(draft_->photos())) {
-      draft_->AdjustAll(/*is_final=*/true);
+      draft_->AdjustAll(/*is_final=*/true, adjustment_);
       RemoveWeak();
     }
   }
@@ -247,6 +248,7 @@ class DraftGrower {
   const GrowthOptions& options_;
   const ViewGraph& graph_;
   const Proposer& proposer_;
+  const AdjustProgress& adjustment_;
   const DraftProgress& progress_;
   Draft* draft_;
   std::vector<PhotoVerdict>& verdicts_;

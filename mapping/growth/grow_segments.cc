@@ -22,11 +22,11 @@ constexpr int kMaxSeedsOfPhoto = 10;
 class Grower {
  public:
   Grower(const PhotoSet& set, std::span<const TwoView> views, const GrowthOptions& options,
-         const GrowthProgress& progress)
+         const GrowthProgress& progress, const AdjustProgress& adjustment)
       : set_(set),
         options_(options),
         progress_(progress),
-        scene_(set, views, options),
+        scene_(set, views, options, adjustment),
         verdicts_(set.photos.size(), PhotoVerdict::kNoTwoView),
         num_seeds_tried_(set.photos.size(), 0) {
     for (size_t i = 0; i < verdicts_.size(); ++i) {
@@ -121,7 +121,8 @@ class Grower {
     draft.Add(seed.third, *third.pose);
     const std::vector<int> all = {base.a, base.b, seed.third};
     draft.Triangulate(all);
-    const bool is_adjusted = draft.AdjustAll() && draft.AdjustAll();
+    const bool is_adjusted =
+        draft.AdjustAll(false, scene_.adjustment) && draft.AdjustAll(false, scene_.adjustment);
     // If the solver fails, another seed may do.
     return is_adjusted && Holds(draft) ? std::optional(std::move(draft)) : std::nullopt;
   }
@@ -157,10 +158,11 @@ class Grower {
 }  // namespace
 
 Growth GrowSegments(const PhotoSet& set, std::span<const TwoView> views,
-                    const GrowthOptions& options, const GrowthProgress& progress) {
+                    const GrowthOptions& options, const GrowthProgress& progress,
+                    const AdjustProgress& adjustment) {
   options.Validate();
   set.Validate();
-  return Grower(set, views, options, progress).Run();
+  return Grower(set, views, options, progress, adjustment).Run();
 }
 
 }  // namespace cairn

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/adjust/adjust.h"
 #include "mapping/matching/two_view.h"
 #include "mapping/photo_set.h"
 #include "mapping/segment.h"
@@ -65,9 +66,11 @@ struct Growth {
 // Receives the photos that are in segments so far and the number of photos.
 using GrowthProgress = std::function<void(int num_in_segments, int num_photos)>;
 
-// `views` are the two views of the set. Each photo is in at most one segment. Deterministic.
+// `views` are the two views of the set. Each photo is in at most one segment. `adjustment` follows
+// each adjustment of a whole segment. Deterministic.
 Growth GrowSegments(const PhotoSet& set, std::span<const TwoView> views,
-                    const GrowthOptions& options, const GrowthProgress& progress = {});
+                    const GrowthOptions& options, const GrowthProgress& progress = {},
+                    const AdjustProgress& adjustment = {});
 
 }  // namespace cairn
 

@@ -16,9 +16,11 @@ namespace cairn {
 // Keeps references to the arguments, and its members refer to each other. Immutable, and safe to
 // use from several threads.
 struct GrowthScene {
-  GrowthScene(const PhotoSet& set, std::span<const TwoView> views, const GrowthOptions& options)
+  GrowthScene(const PhotoSet& set, std::span<const TwoView> views, const GrowthOptions& options,
+              const AdjustProgress& adjustment = {})
       : set(set),
         options(options),
+        adjustment(adjustment),
         tracks(set, views),
         graph(set, views, options),
         proposer(set, graph, options) {}
@@ -27,6 +29,7 @@ struct GrowthScene {
 
   const PhotoSet& set;
   const GrowthOptions& options;
+  const AdjustProgress adjustment;  // Of drafts that are adjusted as a whole.
   const TrackTable tracks;
   const ViewGraph graph;
   const Proposer proposer;

@@ -239,7 +239,7 @@ class Joiner {
     const auto num_a = static_cast<double>(a.photo_of_image.size());
     const auto num_b = static_cast<double>(b.photo_of_image.size());
     if (draft->num_photos() <= kManyPhotos || num_b > kSmallShare * num_a) {
-      return draft->AdjustAll(/*is_final=*/true);
+      return draft->AdjustAll(/*is_final=*/true, scene_.adjustment);
     }
     if (!draft->AdjustAround(b.photo_of_image)) {
       return false;

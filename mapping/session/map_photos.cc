@@ -209,7 +209,9 @@ Growth Mapper::GrowOnce(bool is_corrected, int num_regrowths) {
     views = MatchAndCorrect();
   }
   StageClock clock("growth", &stages_);
-  Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"));
+  Report("growth", 0, std::ssize(folder_.set.photos));
+  Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"),
+                               Reporter("growth: adjustment"));
   clock.End(false);
   return growth;
 }

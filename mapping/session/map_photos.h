@@ -118,7 +118,9 @@ struct MappedPhotos {
   std::vector<std::optional<Eigen::Vector3d>> center_of_photo;
 };
 
-// Receives the phase, the steps done and the total. One thread at a time.
+// Receives the phase, the steps done and the total. A step that takes long reports as a phase of
+// its own, whose name begins with that of the phase and ": "; the phase goes on after it. One
+// thread at a time.
 using MapProgress = std::function<void(const char* phase, int64_t done, int64_t total)>;
 
 // Reads photos, finds pairs, matches them, grows segments, places them on Earth. With a work

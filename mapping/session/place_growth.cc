@@ -112,8 +112,12 @@ AdjustedSegment Placement::Adjusted(const Segment& segment, int number) {
     return DecodeAdjusted(*stored, set_, work->PathOf(file));
   }
   is_from_work_ = false;
-  AdjustedSegment adjusted =
-      AdjustToPositions(set_, places_, segment, options_.georegister, options_.adjust);
+  AdjustedSegment adjusted = AdjustToPositions(
+      set_, places_, segment, options_.georegister, options_.adjust, [&](int done, int most) {
+        if (options_.progress) {
+          options_.progress("placement: adjustment", done, most);
+        }
+      });
   if (work) {
     work->Store(file, options_.key, EncodeAdjusted(adjusted));
   }

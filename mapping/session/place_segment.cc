@@ -100,7 +100,8 @@ std::vector<CameraFreedom> FreedomsOf(const PhotoSet& set, const Reconstruction&
 }  // namespace
 
 AdjustedSegment AdjustToPositions(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
-                                  const GeoregisterOptions& options, const AdjustOptions& adjust) {
+                                  const GeoregisterOptions& options, const AdjustOptions& adjust,
+                                  const AdjustProgress& progress) {
   // A segment bends as it grows, by more than good positions err. The adjustment straightens it, so
   // only then its residuals tell whether it belongs there.
   GeoregisterOptions bent = options;
@@ -113,10 +114,11 @@ AdjustedSegment AdjustToPositions(const PhotoSet& set, const PhotoPlaces& places
   // The loss would take positions far beyond their accuracy for outliers.
   const double slack = start.median_residual_m / start.stated_accuracy_m;
   if (slack > 1.0) {
-    Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, slack), adjust, segment.model);
+    Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, slack), adjust, segment.model,
+           progress);
   }
-  const AdjustReport report =
-      Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, 1.0), adjust, segment.model);
+  const AdjustReport report = Adjust(freedom, PriorsOf(set, places, segment, enu_from_ecef, 1.0),
+                                     adjust, segment.model, progress);
   return {std::move(segment), origin, report};
 }
 

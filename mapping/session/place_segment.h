@@ -30,7 +30,8 @@ struct AdjustedSegment {
 // that the growth held stays. Throws Error(kBadInput) as Georegister does, and if fewer than three
 // photos have a position.
 AdjustedSegment AdjustToPositions(const PhotoSet& set, const PhotoPlaces& places, Segment segment,
-                                  const GeoregisterOptions& options, const AdjustOptions& adjust);
+                                  const GeoregisterOptions& options, const AdjustOptions& adjust,
+                                  const AdjustProgress& progress = {});
 
 struct PlacedSegment {
   Segment segment;                  // World is east-north-up at the origin, meters.

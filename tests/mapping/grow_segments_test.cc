@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "mapping/pairs/find_pairs.h"
 #include "support/street_photos.h"
@@ -147,6 +150,23 @@ TEST(GrowSegments, TwoPhotosAreNoSegment) {
   EXPECT_TRUE(Grow(set).segments.empty());
   set.photos.clear();
   EXPECT_TRUE(Grow(set).segments.empty());
+}
+
+TEST(GrowSegments, ReportsTheIterationsOfItsAdjustments) {
+  const PhotoSet set = testing::PhotosOf(testing::StreetWorld(SmallStreet()).Reconstruct());
+  const std::vector<TwoView> views = FindTwoViews(set, FindPairs(set, {}), {});
+  std::string steps;  // 'p' for photos, 'i' for iterations.
+  GrowSegments(
+      set, views, {}, [&](int, int) { steps += 'p'; },
+      [&](int done, int most) {
+        EXPECT_LE(done, most);
+        steps += done > 0 ? "i" : "";
+      });
+  const size_t iteration = steps.find('i', steps.find('p'));
+  ASSERT_NE(iteration, std::string::npos) << steps;
+  EXPECT_NE(steps.find('p', iteration), std::string::npos) << steps;
+  EXPECT_THROW(GrowSegments(set, views, {}, {}, [](int, int) { throw std::runtime_error("stop"); }),
+               std::runtime_error);
 }
 
 // A guess that is a third off is adjusted: photos without EXIF.

@@ -33,6 +33,16 @@ TEST(PlaceSegment, PutsPhotosWhereTheirPositionsAre) {
   EXPECT_LT(placed.adjustment.rms_px, 1.0);
 }
 
+TEST(PlaceSegment, ReportsTheIterationsOfTheAdjustment) {
+  const testing::StreetSegment street = testing::MakeStreetSegment(2.0);
+  int most_done = 0;
+  AdjustToPositions(street.set, street.places, street.segment, {}, {}, [&](int done, int most) {
+    EXPECT_LE(done, most);
+    most_done = std::max(most_done, done);
+  });
+  EXPECT_GT(most_done, 0);
+}
+
 TEST(PlaceSegment, DoesNotBendAStreetToPoorPositions) {
   testing::StreetSegment street = testing::MakeStreetSegment(2.0);
   street.places.positions[5].reset();
