@@ -209,6 +209,13 @@ void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
       return report;
     };
     PublishInTurn(publish_one, store->Snapshot().Sessions().empty(), sessions);
+    for (MapSessionResult& result : *sessions) {
+      const MapSnapshot snapshot = store->Snapshot();
+      if (result.is_in_map && Value(result.report.map_version) < Value(snapshot.version()) &&
+          HasOthersToJoin(*store, arguments, result.name)) {
+        PublishLeftOut(snapshot, publish_placed, &result);
+      }
+    }
   };
   if (!*map) {
     CreateWithArchive(arguments.session.map_path, publish, archived);

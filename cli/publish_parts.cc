@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/geodesy.h"
+#include "core/scene/reconstruction.h"
 #include "ingest/fit_parts.h"
 #include "ingest/place/known_tiles.h"
 #include "ingest/place/place_by_map.h"
@@ -86,17 +88,16 @@ std::map<int, std::string> PlaceUnplaced(const MapSnapshot& map, MapSessionResul
   const KnownTiles known(map, replaced ? replaced->id : SessionId{});
   std::map<int, std::string> placed;
   for (const UnplacedSegment& segment : result->mapped.unplaced) {
-    std::string& problem = result->mapped.segments[static_cast<size_t>(segment.number)].problem;
     const PlacementByMap placement = PlaceByMap(segment.segment.model, segment.positions, known,
                                                 result->session.options.num_threads);
     if (placement.ecef_from_world) {
-      placed[segment.number] = problem;
+      placed[segment.number] = segment.problem;
       AddPlaced(segment, placement, result);
       continue;
     }
-    problem += fmt::format(
-        ". The map does not place it, either: it recognizes {} of {} photos, and {} agree",
-        placement.num_recognized, placement.num_asked, placement.num_agreeing);
+    result->mapped.segments[static_cast<size_t>(segment.number)].problem = fmt::format(
+        "{}. The map does not place it, either: it recognizes {} of {} photos, and {} agree",
+        segment.problem, placement.num_recognized, placement.num_asked, placement.num_agreeing);
   }
   return placed;
 }
@@ -128,6 +129,88 @@ void FitAll(const MapSnapshot& map, const std::map<int, std::string>& why_by_map
   }
 }
 
+bool IsLeftOut(const MapSessionResult& result, int number) {
+  return !result.mapped.segments[static_cast<size_t>(number)].problem.empty();
+}
+
+// A segment of the model by itself.
+UnplacedSegment SegmentOfModel(const MapSessionResult& result, int number) {
+  const Reconstruction& model = result.session.reconstruction;
+  UnplacedSegment segment;
+  segment.number = number;
+  std::vector<int> images;
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    if (result.mapped.segment_of_image[i] == number) {
+      images.push_back(static_cast<int>(i));
+      segment.segment.photo_of_image.push_back(result.mapped.photo_of_image[i]);
+      segment.positions.push_back(
+          GeodeticFromEcef(result.session.georegistration.ecef_from_world *
+                           model.images[i].cam_from_world.Inverse().translation));
+    }
+  }
+  segment.segment.model = SelectImages(model, images);
+  return segment;
+}
+
+// The segments of `before` that `fitted` leaves out.
+std::vector<UnplacedSegment> LeftOutOf(const MapSessionResult& before,
+                                       const MapSessionResult& fitted) {
+  std::vector<UnplacedSegment> left_out;
+  for (const UnplacedSegment& segment : before.mapped.unplaced) {
+    if (IsLeftOut(fitted, segment.number)) {
+      left_out.push_back(segment);
+    }
+  }
+  const std::vector<int>& of_image = before.mapped.segment_of_image;
+  for (const int number : std::set<int>(of_image.begin(), of_image.end())) {
+    if (IsLeftOut(fitted, number)) {
+      left_out.push_back(SegmentOfModel(before, number));
+      left_out.back().problem = fitted.mapped.segments[static_cast<size_t>(number)].problem;
+    }
+  }
+  return left_out;
+}
+
+// The session with none of its segments.
+MapSessionResult WithoutModel(const MapSessionResult& result) {
+  MapSessionResult empty = result;
+  empty.session.reconstruction = {};
+  empty.session.reconstruction.descriptor_type = result.session.reconstruction.descriptor_type;
+  empty.mapped.segment_of_image.clear();
+  empty.mapped.photo_of_image.clear();
+  return empty;
+}
+
+void Append(const Reconstruction& more, Reconstruction* model) {
+  const int first_camera = static_cast<int>(model->cameras.size());
+  const int first_image = static_cast<int>(model->images.size());
+  model->cameras.insert(model->cameras.end(), more.cameras.begin(), more.cameras.end());
+  for (ReconImage image : more.images) {
+    image.camera_idx += first_camera;
+    model->images.push_back(std::move(image));
+  }
+  for (ReconLandmark landmark : more.landmarks) {
+    for (ReconObservation& seen : landmark.observations) {
+      seen.image_idx += first_image;
+    }
+    model->landmarks.push_back(std::move(landmark));
+  }
+}
+
+// Puts the model of `published` before that of `added`, which becomes the whole session.
+void PutBefore(const MapSessionResult& published, MapSessionResult* added) {
+  Reconstruction model = published.session.reconstruction;
+  Append(added->session.reconstruction, &model);
+  added->session.reconstruction = std::move(model);
+  MappedPhotos& mapped = added->mapped;
+  const auto put_before = [](const std::vector<int>& first, std::vector<int>* all) {
+    all->insert(all->begin(), first.begin(), first.end());
+  };
+  put_before(published.mapped.segment_of_image, &mapped.segment_of_image);
+  put_before(published.mapped.photo_of_image, &mapped.photo_of_image);
+  mapped.num_mapped = static_cast<int>(mapped.photo_of_image.size());
+}
+
 }  // namespace
 
 IngestReport PublishAsPlaced(const PublishPlaced& publish, const MapSessionResult& result) {
@@ -147,10 +230,36 @@ IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
   if (!why_by_map.empty() || !IsOnePart(fitted.mapped.segment_of_image)) {
     FitAll(map, why_by_map, &fitted);
   }
-  fitted.mapped.unplaced.clear();
+  fitted.mapped.unplaced = LeftOutOf(*result, fitted);
   IngestReport report = PublishAsPlaced(publish, fitted);
   *result = std::move(fitted);
   return report;
+}
+
+void PublishLeftOut(const MapSnapshot& map, const PublishPlaced& publish,
+                    MapSessionResult* result) {
+  if (result->mapped.unplaced.empty()) {
+    return;
+  }
+  MapSessionResult added = WithoutModel(*result);
+  const std::map<int, std::string> why_by_map = PlaceUnplaced(map, &added);
+  if (!why_by_map.empty()) {
+    FitAll(map, why_by_map, &added);
+  }
+  if (added.session.reconstruction.images.empty()) {
+    result->mapped.segments = added.mapped.segments;  // With what the map says of them.
+    return;
+  }
+  PutBefore(*result, &added);
+  std::erase_if(added.mapped.unplaced,
+                [&](const UnplacedSegment& segment) { return !IsLeftOut(added, segment.number); });
+  try {
+    added.report = publish(added.session);
+  } catch (const SessionRefused&) {
+    return;
+  }
+  added.report.replaced_session = result->report.replaced_session;
+  *result = std::move(added);
 }
 
 }  // namespace cairn

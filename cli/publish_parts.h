@@ -20,11 +20,18 @@ IngestReport PublishAsPlaced(const PublishPlaced& publish, const MapSessionResul
 
 // Places the segments that their positions do not place where the map sees them (PlaceByMap), moves
 // all segments to where the map sees them, each by itself (FitParts), and then publishes them as
-// one session. Says in `mapped` how far segments moved, and which of them stay out; `session`
-// becomes what was published. A session of one segment that its positions place is published as it
-// is. If `publish` throws, `result` is as before. Throws SessionRefused if no segment is left.
+// one session. Says in `mapped` how far segments moved, and which of them stay out, also in
+// `unplaced`; `session` becomes what was published. A session of one segment that its positions
+// place is published as it is. If `publish` throws, `result` is as before. Throws SessionRefused if
+// no segment is left.
 IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
                           MapSessionResult* result);
+
+// Tries the segments that a published session lacks (MappedPhotos::unplaced) once more, as
+// PublishParts does, with a map that has got more since. If the map places any, publishes the
+// session again with them; its other segments go where they were published. If the map refuses
+// that, or places none, the session stays as it is.
+void PublishLeftOut(const MapSnapshot& map, const PublishPlaced& publish, MapSessionResult* result);
 
 }  // namespace cairn
 

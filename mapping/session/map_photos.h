@@ -86,10 +86,11 @@ struct CameraReport {
 };
 
 // A segment whose positions do not place it: they are fewer than three, do not tell its scale or
-// which way is up, or do not fit it.
+// which way is up, or do not fit it. Or one that a map did not anchor where they place it.
 struct UnplacedSegment {
-  Segment segment;  // With descriptors.
-  int number = 0;   // In MappedPhotos::segments, which has the problem.
+  Segment segment;           // With descriptors.
+  int number = 0;            // In MappedPhotos::segments.
+  std::string problem = {};  // Why it is not placed.
   std::vector<CameraReport> cameras;
   std::vector<std::optional<Geodetic>> positions;  // Of its images; heights above the ellipsoid.
 };

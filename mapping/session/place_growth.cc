@@ -42,7 +42,7 @@ class Placement {
   void Place(const Segment& segment, int number);
   AdjustedSegment Adjusted(const Segment& segment, int number);
   void LeaveOut(const Segment& segment, const std::string& problem);
-  void Keep(const Segment& segment, int number);
+  void Keep(const Segment& segment, int number, const std::string& problem);
   void StandAtPositions();
   void ReportLeftOut(const Growth& growth);
   void FillImages();
@@ -72,7 +72,7 @@ void Placement::PlaceAll(const std::vector<Segment>& segments) {
       }
       first_problem = first_problem ? first_problem : std::current_exception();
       if (options_.keeps_unplaced && error.code() == ErrorCode::kBadInput) {
-        Keep(segments[i], number);
+        Keep(segments[i], number, error.what());
       }
       LeaveOut(segments[i], error.what());
     }
@@ -139,8 +139,9 @@ void Placement::LeaveOut(const Segment& segment, const std::string& problem) {
 }
 
 // Keeps a segment for the map if one of its photos has a position, which says where to ask.
-void Placement::Keep(const Segment& segment, int number) {
-  UnplacedSegment unplaced = {segment, number, ReportCameras(segment, cameras_as_read_), {}};
+void Placement::Keep(const Segment& segment, int number, const std::string& problem) {
+  UnplacedSegment unplaced = {
+      segment, number, problem, ReportCameras(segment, cameras_as_read_), {}};
   for (const int photo : segment.photo_of_image) {
     const std::optional<CameraPosition>& position = places_.positions[photo];
     unplaced.positions.push_back(position ? std::optional(position->position) : std::nullopt);

@@ -203,11 +203,11 @@ TEST_F(MapFolders, JoinPartByPart) {
 }
 
 // Six photos within 4 m, with positions as phones have them.
-std::vector<Shot> Corner() {
+std::vector<Shot> Corner(double east_m = 0.0) {
   std::vector<Shot> corner = testing::Walk(6);
   for (int i = 0; i < 6; ++i) {
     Shot& shot = corner[i];
-    shot.x_in_enu = {-2.0 + 0.8 * i, 0.5 + 0.3 * (i % 2), 1.7};
+    shot.x_in_enu = {east_m - 2.0 + 0.8 * i, 0.5 + 0.3 * (i % 2), 1.7};
     shot.gps_error_m = {3.0 * (i % 3 - 1), 2.0 - i, 1.5 * (i % 2)};
     shot.exif.error_m = 5.0;
   }
@@ -238,6 +238,42 @@ TEST_F(MapFolders, WhosePositionsDoNotTellTheirScaleJoinByTheirPhotos) {
   };
   const double size = distance("sunday/photo100.png", "sunday/photo116.png") / 32.0;
   EXPECT_NEAR(distance("corner/photo100.png", "corner/photo104.png") / 3.2, size, 0.02);
+}
+
+// The first session of a new map has a part without a place, and only a later one shows it.
+TEST_F(MapFolders, GetPartsThatALaterFolderShows) {
+  std::vector<Shot> shots = testing::Walk(20, -8.0);
+  for (int i = 0; i < 20; ++i) {
+    shots[i].x_in_enu.x() = -18.0 + i;
+  }
+  for (Shot shot : Corner(14.0)) {
+    shot.name = "corner_" + shot.name;
+    shots.push_back(shot);
+  }
+  testing::WriteFolder(PhotoScene(7), shots, dir_.path() / "saturday");
+  testing::WriteFolder(PhotoScene(7), testing::Walk(17), dir_.path() / "sunday");
+  MapSessionArguments arguments = Arguments({"sunday", "saturday"});
+  arguments.archive_path = dir_.File("archive");
+  const std::vector<MapSessionResult> sessions = MakeMapSessions(arguments, {});
+  ASSERT_EQ(sessions.size(), 2u);
+  ASSERT_EQ(sessions[0].name, "saturday");
+  ASSERT_TRUE(sessions[1].is_in_map) << sessions[1].problem;
+  EXPECT_EQ(sessions[0].mapped.num_mapped, 26);
+  EXPECT_TRUE(sessions[0].mapped.left_out.empty());
+  ASSERT_EQ(sessions[0].mapped.segments.size(), 2u);
+  EXPECT_TRUE(sessions[0].mapped.segments[1].is_placed_by_map);
+  EXPECT_FALSE(sessions[0].report.replaced_session);
+  const auto centers = CentersIn("town.gpkg");
+  EXPECT_EQ(centers.size(), 43u);
+  const auto distance = [&](const std::string& p, const std::string& q) {
+    return (centers.at(p) - centers.at(q)).norm();
+  };
+  const double size = distance("sunday/photo100.png", "sunday/photo116.png") / 32.0;
+  EXPECT_NEAR(distance("saturday/photo100.png", "saturday/corner_photo104.png") / size,
+              (shots[24].x_in_enu - shots[0].x_in_enu).norm(), 0.2);
+  // The session is in the archive once.
+  const auto files = std::filesystem::directory_iterator(arguments.archive_path);
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2);
 }
 
 TEST_F(MapFolders, WhosePositionsDoNotTellTheirScaleAreNotPlacedWhereTheMapShowsAnotherWall) {
