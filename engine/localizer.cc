@@ -85,6 +85,13 @@ StageCounters WithTiles(StageCounters counters, const FetchedTiles& fetched) {
   return counters;
 }
 
+void RequireIndexesAs(const LocalizerOptions& options, const TileCache& cache) {
+  if (!cache.IndexesAs(options.matching.index)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "matching.index differs from that of the shared cache; use a cache of its own");
+  }
+}
+
 // Picks the winner and refines it in the context in which it was found. Returns `result` with it.
 LocalizeResult Conclude(const LocalizeQuery& query, const Search& search,
                         const LocalizerOptions& options, LocalizeResult result) {
@@ -268,19 +275,17 @@ Localizer::Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions
 Localizer::Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
                      std::shared_ptr<TileCache> cache) {
   options.Validate();
-  if (!cache->IndexesAs(options.matching.index)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "matching.index differs from that of the shared cache; use a cache of its own");
-  }
+  RequireIndexesAs(options, *cache);
   impl_.reset(new Impl{std::move(map), nullptr, std::move(cache), options,
                        SharedWorkers(options.num_threads)});
 }
 
-Localizer::Localizer(const MapTiles& tiles, const LocalizerOptions& options, size_t cache_bytes) {
+Localizer::Localizer(const MapTiles& tiles, const LocalizerOptions& options,
+                     std::shared_ptr<TileCache> cache) {
   options.Validate();
-  impl_.reset(new Impl{nullptr, &tiles,
-                       std::make_shared<TileCache>(cache_bytes, options.matching.index), options,
-                       SharedWorkers(options.num_threads)});
+  RequireIndexesAs(options, *cache);
+  impl_.reset(
+      new Impl{nullptr, &tiles, std::move(cache), options, SharedWorkers(options.num_threads)});
 }
 
 Localizer::Localizer(Localizer&&) noexcept = default;

@@ -35,9 +35,10 @@ class Localizer {
   Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
             std::shared_ptr<TileCache> cache);
   // Answers against tiles that need not be those of a map on disk. Queries need a prior. `tiles`
-  // must outlive the localizer.
+  // must outlive the localizer. Shares the cache, as above: of tiles with different content,
+  // records must have different digests.
   Localizer(const MapTiles& tiles, const LocalizerOptions& options,
-            size_t cache_bytes = kDefaultCacheBytes);
+            std::shared_ptr<TileCache> cache);
   Localizer(Localizer&&) noexcept;
   ~Localizer();
 

@@ -11,6 +11,7 @@
 #include "core/printable.h"
 #include "engine/tiles/map_tiles.h"
 #include "ingest/session_placement.h"
+#include "storage/tile/content_digest.h"
 
 namespace cairn {
 namespace {
@@ -43,8 +44,8 @@ bool IsNear(TileId tile_id, const std::vector<KeyframeRecord>& keyframes) {
 class TilesWithSession : public MapTiles {
  public:
   TilesWithSession(const SessionPlan& plan, const LoadBuiltTile& load,
-                   const std::vector<KeyframeRecord>& keyframes, const MapSnapshot& base)
-      : plan_(plan), load_(load), base_(base), stored_(base) {
+                   const std::vector<KeyframeRecord>& keyframes, const RememberedTiles& base)
+      : plan_(plan), load_(load), base_(base) {
     for (size_t i = 0; i < plan.tiles.size(); ++i) {
       const TileId tile_id = plan.tiles[i].tile_id;
       BuiltHere& planned = planned_[tile_id];
@@ -53,7 +54,7 @@ class TilesWithSession : public MapTiles {
         const EncodedTile built = load(i).tile.encoded;
         planned.is_there = !built.payload.empty();
         planned.record = built.record;
-        planned.record.digest = "built " + tile_id.ToString();
+        planned.record.digest = ContentDigest(built.payload);
         planned.bounds = tile_id.Bounds();
       }
     }
@@ -81,11 +82,13 @@ class TilesWithSession : public MapTiles {
   StoredTile LoadTile(const TileRecord& record) const override {
     const auto planned = planned_.find(record.tile_id);
     if (planned == planned_.end()) {
-      return stored_.LoadTile(record);
+      return base_.LoadTile(record);
     }
-    const std::vector<uint8_t> payload = load_(planned->second.plan_idx).tile.encoded.payload;
     StoredTile tile;
-    tile.payload = {payload.begin(), payload.end()};
+    tile.decoded = base_.memory()->Decoded(record.digest, [&] {
+      const std::vector<uint8_t> payload = load_(planned->second.plan_idx).tile.encoded.payload;
+      return LargeVector<uint8_t>(payload.begin(), payload.end());
+    });
     return tile;
   }
 
@@ -99,33 +102,37 @@ class TilesWithSession : public MapTiles {
 
   const SessionPlan& plan_;
   const LoadBuiltTile& load_;
-  const MapSnapshot& base_;
-  const SnapshotTiles stored_;
+  const RememberedTiles& base_;
   std::map<TileId, BuiltHere> planned_;
 };
 
 KeyframeAnswers Ask(const SessionPlan& plan, const LoadBuiltTile& load, const MapStore& store,
-                    int num_threads) {
-  const MapSnapshot base = store.Snapshot();
+                    const std::shared_ptr<TileMemory>& memory, int num_threads) {
+  const MapSnapshot snapshot = store.Snapshot();
   const std::vector<KeyframeRecord> keyframes =
-      KeyframesNear(base, PlacesOfPhotos(plan, load), Sim3d(), plan.replaced_session);
+      KeyframesNear(snapshot, PlacesOfPhotos(plan, load), Sim3d(), plan.replaced_session);
   if (keyframes.empty()) {
     return {};
   }
-  return AskKeyframes(keyframes, SnapshotTiles(base), TilesWithSession(plan, load, keyframes, base),
-                      Sim3d(), num_threads);
+  const RememberedTiles base(snapshot, memory);
+  return AskKeyframes(keyframes, base, TilesWithSession(plan, load, keyframes, base), Sim3d(),
+                      num_threads);
 }
 
 }  // namespace
 
+bool AsksKeyframes(const SessionPlan& plan) {
+  return !plan.is_unchanged && !plan.adds_codebook && plan.gate.max_lost_share < 1.0;
+}
+
 KeyframeAnswers RequireKeyframes(const SessionPlan& plan, const LoadBuiltTile& load,
-                                 const MapStore& store, int num_threads,
-                                 const IngestProgress& progress) {
-  if (plan.is_unchanged || plan.gate.max_lost_share >= 1.0) {
+                                 const MapStore& store, const std::shared_ptr<TileMemory>& memory,
+                                 int num_threads, const IngestProgress& progress) {
+  if (!AsksKeyframes(plan)) {
     return {};
   }
   ReportProgress(progress, "answers", 0, 1);
-  const KeyframeAnswers answers = Ask(plan, load, store, num_threads);
+  const KeyframeAnswers answers = Ask(plan, load, store, memory, num_threads);
   if (plan.options.joining == SessionJoining::kJoin) {
     RequireAnswers(answers, plan.gate, fmt::format("session '{}'", Excerpt(plan.session.name)));
   }

@@ -13,6 +13,7 @@
 namespace cairn {
 namespace {
 
+// Builds the tiles of a plan, and keeps what the gate may ask for in the memory of the plan.
 std::vector<BuiltTile> BuildTiles(const PlannedSession& planned, int num_threads,
                                   const IngestProgress& progress) {
   const SessionTileBuilder builder(planned.plan);
@@ -28,6 +29,11 @@ std::vector<BuiltTile> BuildTiles(const PlannedSession& planned, int num_threads
   report(0);
   ParallelFor(num_tiles, num_threads, [&](int i) {
     tiles[i] = builder.Build(planned.Shard(static_cast<size_t>(i)));
+    EncodedTile& encoded = tiles[i].tile.encoded;
+    const auto decoded = std::exchange(encoded.decoded, nullptr);
+    if (decoded != nullptr && AsksKeyframes(planned.plan)) {
+      planned.known->memory()->Keep(encoded.payload, decoded);
+    }
     report(1);
   });
   return tiles;
@@ -49,11 +55,13 @@ IngestReport IngestSession(const Reconstruction& reconstruction, const Sim3d& ec
   const PlannedSession planned =
       PlanSession(reconstruction, ecef_from_world, options, store, progress);
   std::vector<BuiltTile> tiles;
+  KeyframeAnswers answers;
   if (!planned.plan.is_unchanged) {
     tiles = BuildTiles(planned, options.num_threads, progress);
+    answers = RequireKeyframes(
+        planned.plan, [&](size_t i) { return tiles[i]; }, *store, planned.known->memory(),
+        options.num_threads, progress);
   }
-  const KeyframeAnswers answers = RequireKeyframes(
-      planned.plan, [&](size_t i) { return tiles[i]; }, *store, options.num_threads, progress);
   if (before_publish) {
     before_publish(planned);
   }

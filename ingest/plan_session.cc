@@ -276,17 +276,15 @@ SessionTimes TimesWith(const SessionPlan& plan, const std::vector<SessionRecord>
 
 // The accuracy of what the map has in the session's tiles; empty if the map does not know it.
 std::optional<SessionAccuracy> AccuracyThere(const PlacedSession& session, SessionId replaced,
-                                             const MapSnapshot& base) {
+                                             const RememberedTiles& base) {
   std::set<SessionId> sessions;
   for (const auto& [tile_id, images] : session.images_of_tile) {
-    if (const std::optional<TileRecord> record = base.FindTile(tile_id)) {
-      sessions.merge(SessionsInPayload(base.LoadPayload(record->payload_id)));
+    if (const std::shared_ptr<const Tile> tile = base.Find(tile_id)) {
+      sessions.merge(SessionsInTile(*tile));
     }
   }
   sessions.erase(replaced);
-  const std::vector<SessionAccuracy> accuracies =
-      base.AccuraciesOf({sessions.begin(), sessions.end()});
-  return accuracies.empty() ? std::nullopt : std::optional(RootMeanSquare(accuracies));
+  return AccuracyOf(sessions, base.map());
 }
 
 // The accuracy of the session where it settled; empty if nobody knows how it was placed. A session
@@ -295,7 +293,7 @@ std::optional<SessionAccuracy> AccuracyThere(const PlacedSession& session, Sessi
 std::optional<SessionAccuracy> AccuracyOf(const Reconstruction& reconstruction,
                                           const PlacedSession& settled, double scale,
                                           const SessionPlan& plan, const IngestOptions& options,
-                                          const MapSnapshot& base) {
+                                          const RememberedTiles& base) {
   if (options.earth_accuracy_m == 0.0) {
     return std::nullopt;
   }
@@ -330,7 +328,7 @@ void SettleAndNumber(const PlacedSession& placed, double scale, const IngestOpti
                    fmt::format("session '{}'", Excerpt(plan.session.name)));
   PlacedSession settled = SettleSession(placed, reconstruction, &plan.comparison);
   AdjustToMap(reconstruction, options, known, progress, &plan, &settled);
-  plan.session.accuracy = AccuracyOf(reconstruction, settled, scale, plan, options, base);
+  plan.session.accuracy = AccuracyOf(reconstruction, settled, scale, plan, options, known.stored());
   planned->landmark_ids = LinkSession(reconstruction, settled, plan, known, progress);
   planned->session = JoinLinked(settled, &planned->landmark_ids);
   plan.id_counts = CountNewIds(plan, planned->session, planned->landmark_ids);

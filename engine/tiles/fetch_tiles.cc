@@ -158,12 +158,15 @@ class TileLoader {
     return tile;
   }
 
-  // Fetches and decodes a tile and builds the first part of its index.
+  // Fetches a tile, decodes it unless that is done, and builds the first part of its index.
   std::shared_ptr<const SearchableTile> Load(const TileRecord& record) {
     try {
       StoredTile stored = map_.LoadTile(record);
-      return MakeSearchableTile(std::move(stored.payload), codebook_, cache_->index_options(),
-                                stored.accuracy);
+      const IndexOptions& options = cache_->index_options();
+      return stored.decoded != nullptr
+                 ? MakeSearchableTile(stored.decoded, codebook_, options, stored.accuracy)
+                 : MakeSearchableTile(std::move(stored.payload), codebook_, options,
+                                      stored.accuracy);
     } catch (const Error& error) {
       ThrowFor(record, error);
     }

@@ -1,6 +1,5 @@
 #include "engine/tiles/map_tiles.h"
 
-#include <set>
 #include <utility>
 
 #include "storage/tile/tile_codec.h"
@@ -16,15 +15,17 @@ std::optional<TileRecord> FindTile(const MapTiles& map, TileId tile_id) {
   return std::nullopt;
 }
 
+std::optional<SessionAccuracy> AccuracyOf(const std::set<SessionId>& sessions,
+                                          const MapSnapshot& map) {
+  const std::vector<SessionAccuracy> accuracies =
+      map.AccuraciesOf({sessions.begin(), sessions.end()});
+  return accuracies.empty() ? std::nullopt : std::optional(RootMeanSquare(accuracies));
+}
+
 StoredTile SnapshotTiles::LoadTile(const TileRecord& record) const {
   StoredTile tile;
   tile.payload = snapshot_.LoadPayload(record.payload_id);
-  const std::set<SessionId> sessions = SessionsInPayload(tile.payload);
-  const std::vector<SessionAccuracy> accuracies =
-      snapshot_.AccuraciesOf({sessions.begin(), sessions.end()});
-  if (!accuracies.empty()) {
-    tile.accuracy = RootMeanSquare(accuracies);
-  }
+  tile.accuracy = AccuracyOf(SessionsInPayload(tile.payload), snapshot_);
   return tile;
 }
 

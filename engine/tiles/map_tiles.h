@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/geodesy.h"
@@ -12,12 +13,14 @@
 #include "storage/codebook/codebook.h"
 #include "storage/map/map_store.h"
 #include "storage/map/session_accuracy.h"
+#include "storage/tile/decoded_tile.h"
 
 namespace cairn {
 
 struct StoredTile {
-  LargeVector<uint8_t> payload;             // As EncodeTile returns it.
-  std::optional<SessionAccuracy> accuracy;  // Of the tile's sessions; empty if nobody knows it.
+  LargeVector<uint8_t> payload;  // As EncodeTile returns it; empty if the tile is `decoded`.
+  std::shared_ptr<const DecodedTile> decoded;  // What the payload holds, if it is at hand.
+  std::optional<SessionAccuracy> accuracy;     // Of the tile's sessions; empty if unknown.
 };
 
 // One version of a map, on disk or in memory. Safe to call from any thread.
@@ -37,6 +40,10 @@ class MapTiles {
 
 // Returns the record of one tile, or nothing if the map has none.
 std::optional<TileRecord> FindTile(const MapTiles& map, TileId tile_id);
+
+// Returns the accuracy of sessions together; empty if the map does not know it.
+std::optional<SessionAccuracy> AccuracyOf(const std::set<SessionId>& sessions,
+                                          const MapSnapshot& map);
 
 // A version of a map on disk. Throws as the calls of MapSnapshot.
 class SnapshotTiles : public MapTiles {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/error.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -43,14 +42,15 @@ std::unique_ptr<const MatchingIndex> IndexOf(const TilePayload& payload, const C
 
 }  // namespace
 
-SearchableTile::SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook,
+SearchableTile::SearchableTile(std::shared_ptr<const Tile> tile,
+                               std::shared_ptr<const Codebook> codebook,
                                const IndexOptions& options, TileLists lists, BuildExtent extent)
-    : id_(tile.id),
-      num_descriptors_(tile.num_descriptors()),
+    : id_(tile->id),
+      num_descriptors_(tile->num_descriptors()),
       codebook_(std::move(codebook)),
       ecef_from_tile_(EcefFromEnu(id_.Anchor())),
-      index_(IndexOf(tile, *codebook_, options, std::move(lists), extent)),
-      content_(std::move(tile), index_->order()) {  // Moving a tile does not move its codes.
+      index_(IndexOf(*tile, *codebook_, options, std::move(lists), extent)),
+      content_(std::move(tile), index_->order()) {
   if (options.num_reference_words > 0) {
     constexpr int kNumIterations = 5;
     constexpr uint64_t kSeed = 1;
@@ -110,10 +110,10 @@ std::shared_ptr<SearchableTile> MakeFromPayload(LargeVector<uint8_t> payload,
     return std::make_shared<SearchableTile>(std::move(parts), std::move(codebook), options,
                                             std::move(codes), BuildExtent::kFirstPart);
   }
-  TileLists lists;
-  Tile tile = DecodeTile(payload, {}, &lists);
-  return std::make_shared<SearchableTile>(std::move(tile), std::move(codebook), options,
-                                          std::move(lists), BuildExtent::kFirstPart);
+  DecodedTile decoded = DecodePayload(payload);
+  return std::make_shared<SearchableTile>(std::make_shared<const Tile>(std::move(decoded.tile)),
+                                          std::move(codebook), options, std::move(decoded.lists),
+                                          BuildExtent::kFirstPart);
 }
 
 }  // namespace
@@ -122,6 +122,16 @@ std::shared_ptr<const SearchableTile> MakeSearchableTile(
     LargeVector<uint8_t> payload, std::shared_ptr<const Codebook> codebook,
     const IndexOptions& options, const std::optional<SessionAccuracy>& accuracy) {
   const auto tile = MakeFromPayload(std::move(payload), std::move(codebook), options);
+  tile->set_accuracy(accuracy);
+  return tile;
+}
+
+std::shared_ptr<const SearchableTile> MakeSearchableTile(
+    const std::shared_ptr<const DecodedTile>& decoded, std::shared_ptr<const Codebook> codebook,
+    const IndexOptions& options, const std::optional<SessionAccuracy>& accuracy) {
+  const auto tile = std::make_shared<SearchableTile>(
+      std::shared_ptr<const Tile>(decoded, &decoded->tile), std::move(codebook), options,
+      decoded->lists, BuildExtent::kFirstPart);
   tile->set_accuracy(accuracy);
   return tile;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/geodesy.h"
@@ -17,6 +18,7 @@
 #include "engine/tiles/tile_content.h"
 #include "storage/codebook/codebook.h"
 #include "storage/map/session_accuracy.h"
+#include "storage/tile/decoded_tile.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_lists.h"
 #include "storage/tile/tile_payload.h"
@@ -30,7 +32,12 @@ class SearchableTile {
   // `lists` are the tile's lists, if any. Throws Error(kMapDamaged) if `codebook` is not the
   // tile's, and what MakeMatchingIndex throws.
   SearchableTile(Tile tile, std::shared_ptr<const Codebook> codebook, const IndexOptions& options,
-                 TileLists lists = {}, BuildExtent extent = BuildExtent::kWhole);
+                 TileLists lists = {}, BuildExtent extent = BuildExtent::kWhole)
+      : SearchableTile(std::make_shared<const Tile>(std::move(tile)), std::move(codebook), options,
+                       std::move(lists), extent) {}
+  // Shares a tile that others use, too.
+  SearchableTile(std::shared_ptr<const Tile> tile, std::shared_ptr<const Codebook> codebook,
+                 const IndexOptions& options, TileLists lists, BuildExtent extent);
 
   // Returns true if the index for these options is built from a payload's codes and lists alone, as
   // they are stored.
@@ -95,6 +102,10 @@ class SearchableTile {
 // payload does not decode or belongs to another codebook.
 std::shared_ptr<const SearchableTile> MakeSearchableTile(
     LargeVector<uint8_t> payload, std::shared_ptr<const Codebook> codebook,
+    const IndexOptions& options, const std::optional<SessionAccuracy>& accuracy = {});
+// Makes a decoded tile searchable, and shares its memory. Answers queries as its payload does.
+std::shared_ptr<const SearchableTile> MakeSearchableTile(
+    const std::shared_ptr<const DecodedTile>& decoded, std::shared_ptr<const Codebook> codebook,
     const IndexOptions& options, const std::optional<SessionAccuracy>& accuracy = {});
 
 // A tile in the anchor frame of one query.

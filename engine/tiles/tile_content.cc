@@ -12,7 +12,7 @@ namespace cairn {
 TileContent::Matched::Matched(LoadedLandmarks loaded_in, std::span<const uint32_t> order)
     : loaded(std::move(loaded_in)), places(loaded.view, order) {}
 
-TileContent::TileContent(Tile tile, std::span<const uint32_t> order)
+TileContent::TileContent(std::shared_ptr<const Tile> tile, std::span<const uint32_t> order)
     : order_(order),
       tile_(std::move(tile)),
       matched_(std::make_unique<const Matched>(LoadedLandmarks{{}, *tile_}, order)),

@@ -27,7 +27,7 @@ class TileContent {
  public:
   // `order` is the index's (MatchingIndex::order) and must outlive the object. The codes keep their
   // address.
-  TileContent(Tile tile, std::span<const uint32_t> order);
+  TileContent(std::shared_ptr<const Tile> tile, std::span<const uint32_t> order);
   // `codes` are in tile order and keep their address. If `codes` is empty, they are decoded with
   // the rest.
   TileContent(TilePayload payload, std::span<const uint32_t> order,
@@ -79,7 +79,7 @@ class TileContent {
                        const Make& make) const;
 
   std::span<const uint32_t> order_;
-  std::optional<const Tile> tile_;      // Set if the tile was decoded at construction.
+  std::shared_ptr<const Tile> tile_;    // Set if the tile was decoded at construction.
   mutable LargeVector<uint8_t> codes_;  // Codes of a payload; not changed once set.
   size_t num_bytes_;
   mutable std::mutex mutex_;                    // Guards the next four members.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <tuple>
 #include <unordered_set>
 #include <utility>
@@ -108,7 +109,7 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_th
   }
   // Only the images that the map is asked for get features, so that memory is bounded.
   std::map<TileId, std::vector<int>> images_of_tile;
-  const KnownTiles known(a.snapshot());
+  const KnownTiles known(a.snapshot(), SessionId{}, a.tiles().memory());
   const PhotosToAsk photos = ChoosePhotos(view.session, known);
   for (const std::vector<int>* images : {&photos.expected, &photos.sought}) {
     for (const int image_idx : *images) {
@@ -118,12 +119,12 @@ MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_th
   }
   const DescriptorCodec codec(a.codebook());
   for (const auto& [tile_id, images] : images_of_tile) {
-    const Tile tile = *b.LoadTile(tile_id);
-    const DescriptorMatrix descriptors = DecodeAll(tile, codec);
+    const std::shared_ptr<const Tile> tile = b.LoadTile(tile_id);
+    const DescriptorMatrix descriptors = DecodeAll(*tile, codec);
     for (const int image_idx : images) {
       const auto idx = static_cast<size_t>(image_idx);
       view.reconstruction.images[idx].features =
-          FeaturesOfKeyframe(tile, view.keyframe_of_image[idx].second,
+          FeaturesOfKeyframe(*tile, view.keyframe_of_image[idx].second,
                              view.reconstruction.cameras[idx], descriptors)
               .features;
     }
@@ -138,13 +139,13 @@ std::unordered_map<LandmarkId, LandmarkId> LinkMaps(const MergeSource& a, const 
                                                     const LinkOptions& options) {
   std::vector<MapLink> possible;
   for (const TileId tile_id : tiles) {
-    const Tile known = *a.LoadTile(tile_id);
-    const Tile fresh = *b.LoadTile(tile_id);
-    const MapAsSession view = ViewOf(fresh, b, codec);
+    const std::shared_ptr<const Tile> known = a.LoadTile(tile_id);
+    const std::shared_ptr<const Tile> fresh = b.LoadTile(tile_id);
+    const MapAsSession view = ViewOf(*fresh, b, codec);
     for (const LinkProposal& proposal :
-         ProposeLinks(view.reconstruction, view.session, known, codec, options)) {
+         ProposeLinks(view.reconstruction, view.session, *known, codec, options)) {
       possible.push_back(
-          {proposal.sq_distance, fresh.landmark_ids[proposal.landmark_idx], proposal.known_id});
+          {proposal.sq_distance, fresh->landmark_ids[proposal.landmark_idx], proposal.known_id});
     }
   }
   std::sort(possible.begin(), possible.end());

@@ -208,8 +208,7 @@ class MapMerger {
       if (tile && other) {
         *tile = Combine(*tile, *other, context);
       }
-      const int64_t num_bytes = WriteTile(tile ? *tile : *other, merged_codebook, update_);
-      report_->changes.num_bytes_after += num_bytes;
+      Write(tile ? *tile : *other, merged_codebook);
       if (progress) {
         progress(++num_done, std::ssize(tiles));
       }
@@ -217,6 +216,15 @@ class MapMerger {
   }
 
  private:
+  void Write(const Tile& tile, const Codebook& codebook) {
+    const EncodedTile encoded = EncodeForMap(tile, codebook);
+    PutTile(encoded, update_);
+    report_->changes.num_bytes_after += std::ssize(encoded.payload);
+    if (encoded.decoded != nullptr) {
+      a_->tiles().memory()->Keep(encoded.payload, encoded.decoded);
+    }
+  }
+
   Tile Combine(const Tile& of_a, const Tile& of_b, const TileJoinContext& context) {
     ++report_->num_tiles_of_both;
     if (options_.joining == SessionJoining::kApart) {
@@ -264,8 +272,8 @@ KeyframeAnswers AskKeyframesOf(const MergeSource& source, const Sim3d& moved_fro
                                const MapStore& merged, int num_threads) {
   const MapSnapshot after = merged.Snapshot();
   return AskKeyframes(KeyframesNear(source.snapshot(), news_in_ecef, moved_from_ecef, SessionId{}),
-                      SnapshotTiles(source.snapshot()), SnapshotTiles(after), moved_from_ecef,
-                      num_threads);
+                      source.tiles(), RememberedTiles(after, source.tiles().memory()),
+                      moved_from_ecef, num_threads);
 }
 
 void RequireAnswersIfJoined(const KeyframeAnswers& answers, const MapMergeOptions& options,
@@ -312,8 +320,9 @@ MergeReport MergeMaps(const MapStore& a, const MapStore& b, const std::string& t
                       const MapMergeOptions& options,
                       const std::function<void(int64_t, int64_t)>& progress) {
   options.Validate();
-  MergeSource source_a(a);
-  MergeSource source_b(b);
+  const auto memory = std::make_shared<TileMemory>();
+  MergeSource source_a(a, memory);
+  MergeSource source_b(b, memory);
   const std::shared_ptr<const Codebook> codebook =
       RequireOneCodebook(source_a, options.recode, &source_b);
   RequireDistinctSessions(source_a, source_b, options.joining);

@@ -9,7 +9,6 @@
 
 #include "core/error.h"
 #include "ingest/tiles/tile_edit.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -47,14 +46,14 @@ std::vector<TileId> MergeSource::TileIds() const {
   return ids;
 }
 
-std::optional<Tile> MergeSource::LoadTile(TileId tile_id) const {
+std::shared_ptr<const Tile> MergeSource::LoadTile(TileId tile_id) const {
   if (!motion_) {
     return LoadStored(tile_id);
   }
   std::optional<Tile> tile;
   for (const TileId source : motion_->SourcesOf(tile_id)) {
-    const std::optional<Tile> stored = LoadStored(source);
-    if (!stored) {
+    const std::shared_ptr<const Tile> stored = LoadStored(source);
+    if (stored == nullptr) {
       continue;
     }
     Tile part = motion_->Part(*stored, tile_id);
@@ -64,24 +63,33 @@ std::optional<Tile> MergeSource::LoadTile(TileId tile_id) const {
       tile = std::move(part);
     }
   }
-  return tile;
+  return tile ? std::make_shared<const Tile>(*std::move(tile)) : nullptr;
 }
 
-std::optional<Tile> MergeSource::LoadStored(TileId tile_id) const {
+std::shared_ptr<const Tile> MergeSource::LoadStored(TileId tile_id) const {
   const std::optional<TileRecord> record = snapshot_.FindTile(tile_id);
   if (!record) {
-    return std::nullopt;
+    return nullptr;
   }
-  Tile tile = DecodeTile(snapshot_.LoadPayload(record->payload_id));
-  if (codebook_ == nullptr || tile.codebook_id != codebook_->id) {
+  const auto recode = [&] {
+    Tile tile = InOwnCodes(*record)->tile;
+    transcoder_->Transcode(&tile);
+    return DecodedTile{std::move(tile), {}};
+  };
+  const std::shared_ptr<const DecodedTile> decoded =
+      transcoder_ ? tiles_.memory()->Made(record->digest + " recoded", recode)
+                  : InOwnCodes(*record);
+  return {decoded, &decoded->tile};
+}
+
+std::shared_ptr<const DecodedTile> MergeSource::InOwnCodes(const TileRecord& record) const {
+  const std::shared_ptr<const DecodedTile> decoded = tiles_.Decoded(record);
+  if (codebook_ == nullptr || decoded->tile.codebook_id != codebook_->id) {
     throw Error(ErrorCode::kMapDamaged,
                 fmt::format("{}: tile {} is not coded with the map's codebook", path(),
-                            tile_id.ToString()));
+                            record.tile_id.ToString()));
   }
-  if (transcoder_) {
-    transcoder_->Transcode(&tile);
-  }
-  return tile;
+  return decoded;
 }
 
 std::vector<KeyframeRecord> MergeSource::KeyframesOfTile(TileId tile_id) const {
@@ -118,11 +126,12 @@ void MergeSource::CopySessions(CodebookId codebook_id, MapUpdate* update) {
 }
 
 std::optional<Tile> MergeSource::LoadRenumbered(TileId tile_id, const MergeSource& other) const {
-  std::optional<Tile> tile = LoadTile(tile_id);
-  if (!tile) {
+  const std::shared_ptr<const Tile> own = LoadTile(tile_id);
+  if (own == nullptr) {
     return std::nullopt;
   }
-  const std::vector<LandmarkId> own_ids = tile->landmark_ids;
+  std::optional<Tile> tile = *own;
+  const std::vector<LandmarkId>& own_ids = own->landmark_ids;
   RenumberTile(ids_, &*tile);
   for (size_t i = 0; i < own_ids.size(); ++i) {
     if (const auto link = links_.find(own_ids[i]); link != links_.end()) {

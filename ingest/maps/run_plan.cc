@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -152,7 +153,8 @@ IngestReport PublishPlan(PlanFolder* folder, int64_t num_tasks, MapStore* store,
   };
   KeyframeAnswers answers;
   if (!options.force) {
-    answers = RequireKeyframes(folder->plan(), load, *store, options.num_threads, progress);
+    answers = RequireKeyframes(folder->plan(), load, *store, std::make_shared<TileMemory>(),
+                               options.num_threads, progress);
   }
   IngestReport report = PublishSession(folder->plan(), load, store, options.patience, progress);
   report.keyframe_answers = answers;

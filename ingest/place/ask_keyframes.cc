@@ -16,7 +16,6 @@
 #include "ingest/place/fit_placement.h"
 #include "ingest/place/keyframe_features.h"
 #include "storage/codebook/descriptor_codec.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
@@ -24,7 +23,6 @@ namespace {
 constexpr double kNewsReachM = 60.0;  // The engine searches 50 m around a good prior.
 constexpr int kLeastKeyframes = 12, kKeyframesOfTile = 2, kMostKeyframes = 200;
 constexpr double kPriorAccuracyM = 15.0;
-constexpr size_t kGateCacheBytes = size_t{256} << 20;
 
 // Points in cells as wide as the reach.
 class NearbyPoints {
@@ -67,7 +65,7 @@ Eigen::Vector3d CenterOf(const KeyframeRecord& keyframe) {
 // The features of keyframes, in the projected space of the map's codebook. Parallel to the
 // keyframes; those that the tile does not have get no features.
 std::vector<FeatureSet> FeaturesOf(const std::vector<KeyframeRecord>& keyframes,
-                                   const MapTiles& map) {
+                                   const RememberedTiles& map) {
   const DescriptorCodec codec(map.CurrentCodebook());
   std::map<TileId, std::vector<size_t>> keyframes_of_tile;
   for (size_t i = 0; i < keyframes.size(); ++i) {
@@ -75,17 +73,17 @@ std::vector<FeatureSet> FeaturesOf(const std::vector<KeyframeRecord>& keyframes,
   }
   std::vector<FeatureSet> features(keyframes.size());
   for (const auto& [tile_id, own] : keyframes_of_tile) {
-    const std::optional<TileRecord> record = FindTile(map, tile_id);
-    if (!record || record->codebook_id != codec.codebook().id) {
+    const std::shared_ptr<const Tile> known = map.Find(tile_id);
+    if (known == nullptr || known->codebook_id != codec.codebook().id) {
       continue;
     }
-    const Tile tile = DecodeTile(map.LoadTile(*record).payload);
+    const Tile& tile = *known;
     const DescriptorMatrix descriptors =
         codec.Decode(tile.codes.data(), static_cast<int>(tile.num_descriptors()));
     for (const size_t i : own) {
       const auto found =
           std::find_if(tile.keyframes.begin(), tile.keyframes.end(),
-                       [&](const TileKeyframe& known) { return known.id == keyframes[i].id; });
+                       [&](const TileKeyframe& seen) { return seen.id == keyframes[i].id; });
       if (found != tile.keyframes.end()) {
         features[i] = FeaturesOfKeyframe(tile, static_cast<size_t>(found - tile.keyframes.begin()),
                                          keyframes[i].camera, descriptors)
@@ -113,10 +111,10 @@ LocalizeQuery QueryAt(const Rigid3d& cam_from_ecef, const Camera& camera,
 // Whether each keyframe gets a right answer at its pose.
 std::vector<char> AreRight(const std::vector<LocalizeQuery>& queries,
                            const std::vector<Rigid3d>& cam_from_ecef, const MapTiles& map,
-                           int num_threads) {
+                           TileMemory* memory, int num_threads) {
   const PlacementFitOptions right;
   const std::string codec = map.CurrentCodebook()->CodecName();
-  const Localizer localizer(map, LocalizerOptions(), kGateCacheBytes);
+  const Localizer localizer(map, LocalizerOptions(), memory->searchable());
   std::vector<char> are_right(queries.size());
   ParallelFor(static_cast<int>(queries.size()), num_threads, [&](int i) {
     const auto idx = static_cast<size_t>(i);
@@ -170,9 +168,9 @@ std::vector<KeyframeRecord> KeyframesNear(const MapSnapshot& map,
   return some;
 }
 
-KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const MapTiles& before,
-                             const MapTiles& after, const Sim3d& after_from_before,
-                             int num_threads) {
+KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes,
+                             const RememberedTiles& before, const MapTiles& after,
+                             const Sim3d& after_from_before, int num_threads) {
   KeyframeAnswers answers;
   if (keyframes.empty()) {
     return answers;
@@ -185,7 +183,9 @@ KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const
     cam_from_ecef.push_back(CamFromTarget(keyframes[i].cam_from_ecef, after_from_before));
     queries.push_back(QueryAt(cam_from_ecef.back(), keyframes[i].camera, features[i]));
   }
-  const std::vector<char> are_right_after = AreRight(queries, cam_from_ecef, after, num_threads);
+  TileMemory* memory = before.memory().get();
+  const std::vector<char> are_right_after =
+      AreRight(queries, cam_from_ecef, after, memory, num_threads);
   std::vector<LocalizeQuery> doubtful;
   std::vector<Rigid3d> doubtful_cam_from_ecef;
   for (size_t i = 0; i < keyframes.size(); ++i) {
@@ -195,7 +195,7 @@ KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const
     }
   }
   const std::vector<char> were_right =
-      AreRight(doubtful, doubtful_cam_from_ecef, before, num_threads);
+      AreRight(doubtful, doubtful_cam_from_ecef, before, memory, num_threads);
   answers.num_lost = static_cast<int>(std::count(were_right.begin(), were_right.end(), 1));
   return answers;
 }

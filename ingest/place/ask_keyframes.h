@@ -7,6 +7,7 @@
 
 #include "core/rigid3.h"
 #include "engine/tiles/map_tiles.h"
+#include "ingest/place/tile_memory.h"
 #include "storage/ids.h"
 #include "storage/map/map_store.h"
 
@@ -32,13 +33,14 @@ std::vector<KeyframeRecord> KeyframesNear(const MapSnapshot& map,
                                           const Sim3d& after_from_map, SessionId without);
 
 // Localizes keyframes of the map `before` in the map `after`, by what `before` knows of their
-// features (FeaturesOfKeyframe). Both maps have the same codebook. An answer is right within 1 m
-// and 5 degrees of the keyframe's pose, moved by `after_from_before`. Keyframes without a right
-// answer are asked for in `before`, too, and are not lost if they have none there. Takes one or two
-// queries a keyframe. The result does not depend on `num_threads`.
-KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes, const MapTiles& before,
-                             const MapTiles& after, const Sim3d& after_from_before,
-                             int num_threads);
+// features (FeaturesOfKeyframe). Both maps have the same codebook, and share the memory of
+// `before`. An answer is right within 1 m and 5 degrees of the keyframe's pose, moved by
+// `after_from_before`. Keyframes without a right answer are asked for in `before`, too, and are not
+// lost if they have none there. Takes one or two queries a keyframe. The result does not depend on
+// `num_threads`.
+KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes,
+                             const RememberedTiles& before, const MapTiles& after,
+                             const Sim3d& after_from_before, int num_threads);
 
 }  // namespace cairn
 

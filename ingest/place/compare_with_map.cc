@@ -232,7 +232,7 @@ class MapInquiry {
         session_(session),
         options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
-        localizer_(map, MostPrecise(), kInquiryCacheBytes) {}
+        localizer_(map, MostPrecise(), map.memory()->searchable()) {}
 
   // Returns the number of photos that the map recognizes with this confidence.
   int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {

@@ -2,7 +2,6 @@
 #ifndef CAIRN_INGEST_PLACE_IMAGE_QUERY_H_
 #define CAIRN_INGEST_PLACE_IMAGE_QUERY_H_
 
-#include <cstddef>
 #include <string>
 
 #include "core/geodesy.h"
@@ -10,9 +9,6 @@
 #include "engine/query/localize_query.h"
 
 namespace cairn {
-
-// The tiles that stay in memory while the map is asked.
-inline constexpr size_t kInquiryCacheBytes = size_t{512} << 20;
 
 // New ground that resembles the map gets a weak answer now and then, so weak answers to photos that
 // are not expected there do not count.

@@ -1,79 +1,81 @@
 #include "ingest/place/known_tiles.h"
 
-#include <cstddef>
-#include <optional>
+#include <fmt/format.h>
+
+#include <string>
 #include <utility>
 
 #include "ingest/tiles/tile_edit.h"
 #include "ingest/tiles/write_tile.h"
 #include "storage/map/describe_tile.h"
-#include "storage/tile/tile_codec.h"
 
 namespace cairn {
 namespace {
 
-// Some kilometers of streets. A tile that has given way is decoded again.
-constexpr size_t kDecodedBytes = size_t{256} << 20;
-
-bool IsEmpty(const Tile& tile) { return tile.num_landmarks() == 0 || tile.num_keyframes() == 0; }
+// Tells what a tile without a session is made from.
+std::string DigestWithout(const TileRecord& stored, SessionId session_id) {
+  return fmt::format("{} without {}", stored.digest, Value(session_id));
+}
 
 }  // namespace
 
-KnownTiles::KnownTiles(const MapSnapshot& map, SessionId without)
-    : map_(map), stored_(map), without_(without), decoded_(kDecodedBytes) {
-  if (without != SessionId{}) {
-    const std::vector<TileId> tiles = map.TilesOfSession(without);
-    changed_.insert(tiles.begin(), tiles.end());
+KnownTiles::KnownTiles(const MapSnapshot& map, SessionId without,
+                       std::shared_ptr<TileMemory> memory)
+    : stored_(map, std::move(memory)), without_(without) {
+  if (without == SessionId{}) {
+    return;
+  }
+  for (const TileId tile_id : map.TilesOfSession(without)) {
+    if (const std::optional<TileRecord> stored = map.FindTile(tile_id)) {
+      Changed& changed = changed_[tile_id];
+      changed.stored = *stored;
+      const std::shared_ptr<const DecodedTile> known = WithoutIt(*stored);
+      if (!IsEmpty(known->tile)) {
+        changed.record = DescribeTile(known->tile);
+        changed.record->payload_id = stored->payload_id;
+        changed.record->digest = DigestWithout(*stored, without);
+      }
+    }
   }
 }
 
-std::shared_ptr<const KnownTiles::Known> KnownTiles::Decoded(const TileRecord& stored) const {
-  return decoded_.GetOrLoad(stored.digest, [&] {
-    Known known;
-    known.tile = DecodeTile(map_.LoadPayload(stored.payload_id));
-    if (HasChanged(stored.tile_id)) {
-      known.tile = WithoutSession(std::move(known.tile), without_);
-      if (!IsEmpty(known.tile)) {
-        known.record = DescribeTile(known.tile);
-        known.record->payload_id = stored.payload_id;
-        known.record->digest = stored.digest;  // Of what the tile is made from.
-      }
-    }
-    return std::make_shared<const Known>(std::move(known));
+std::shared_ptr<const DecodedTile> KnownTiles::WithoutIt(const TileRecord& stored) const {
+  return memory()->Made(DigestWithout(stored, without_), [&] {
+    return ReadyForMap(WithoutSession(stored_.Decoded(stored)->tile, without_), *CurrentCodebook());
   });
 }
 
 std::shared_ptr<const Tile> KnownTiles::Find(TileId tile_id) const {
-  const std::optional<TileRecord> record = map_.FindTile(tile_id);
-  if (!record) {
-    return nullptr;
+  const auto changed = changed_.find(tile_id);
+  if (changed == changed_.end()) {
+    return stored_.Find(tile_id);
   }
-  const std::shared_ptr<const Known> known = Decoded(*record);
+  const std::shared_ptr<const DecodedTile> known = WithoutIt(changed->second.stored);
   return {known, &known->tile};
 }
 
 std::vector<TileRecord> KnownTiles::FindTiles(const GeoBox& box) const {
   std::vector<TileRecord> known;
-  for (TileRecord& stored : map_.FindTiles(box)) {
-    if (!HasChanged(stored.tile_id)) {
+  for (TileRecord& stored : stored_.FindTiles(box)) {
+    const auto changed = changed_.find(stored.tile_id);
+    if (changed == changed_.end()) {
       known.push_back(std::move(stored));
-      continue;
-    }
-    const std::shared_ptr<const Known> decoded = Decoded(stored);
-    if (decoded->record) {
-      known.push_back(*decoded->record);
+    } else if (changed->second.record) {
+      known.push_back(*changed->second.record);
     }
   }
   return known;
 }
 
 StoredTile KnownTiles::LoadTile(const TileRecord& record) const {
-  StoredTile tile = stored_.LoadTile(record);
-  if (HasChanged(record.tile_id)) {
-    const std::vector<uint8_t> payload =
-        EncodeForMap(Decoded(record)->tile, *CurrentCodebook()).payload;
-    tile.payload.assign(payload.begin(), payload.end());
+  const auto changed = changed_.find(record.tile_id);
+  if (changed == changed_.end()) {
+    return stored_.LoadTile(record);
   }
+  const TileRecord& stored = changed->second.stored;
+  StoredTile tile;
+  tile.decoded = WithoutIt(stored);
+  tile.accuracy = AccuracyOf(SessionsInTile(stored_.Decoded(stored)->tile), stored_.map());
   return tile;
 }
 

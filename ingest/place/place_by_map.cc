@@ -118,7 +118,7 @@ PlacementByMap PlaceByMap(const Reconstruction& reconstruction,
     return {};
   }
   const std::vector<int> asked = ChooseImages(rough_positions);
-  const Localizer localizer(map, LocalizerOptions(), kInquiryCacheBytes);
+  const Localizer localizer(map, LocalizerOptions(), map.memory()->searchable());
   std::vector<LocalizeResult> answers(asked.size());
   ParallelFor(static_cast<int>(asked.size()), num_threads, [&](int i) {
     const int image_idx = asked[static_cast<size_t>(i)];

@@ -7,18 +7,27 @@
 
 namespace cairn {
 
+bool IsEmpty(const Tile& tile) { return tile.num_landmarks() == 0 || tile.num_keyframes() == 0; }
+
+DecodedTile ReadyForMap(const Tile& tile, const Codebook& codebook) {
+  DecodedTile ready;
+  ready.tile = PickLandmarks(tile, MortonOrder(tile.x_in_tile));
+  if (tile.codebook_id == codebook.id) {
+    ready.lists = MakeTileLists(codebook, ready.tile.codes, InvertedListsOptions());
+  }
+  return ready;
+}
+
 EncodedTile EncodeForMap(const Tile& tile, const Codebook& codebook) {
   EncodedTile encoded;
   encoded.record.tile_id = tile.id;
-  if (tile.num_landmarks() == 0 || tile.num_keyframes() == 0) {
+  if (IsEmpty(tile)) {
     return encoded;
   }
-  const Tile ordered = PickLandmarks(tile, MortonOrder(tile.x_in_tile));
-  const TileLists lists = ordered.codebook_id == codebook.id
-                              ? MakeTileLists(codebook, ordered.codes, InvertedListsOptions())
-                              : TileLists();
-  encoded.record = DescribeTile(ordered);
-  encoded.payload = EncodeTile(ordered, lists);
+  const auto ready = std::make_shared<const DecodedTile>(ReadyForMap(tile, codebook));
+  encoded.record = DescribeTile(ready->tile);
+  encoded.payload = EncodeTile(ready->tile, ready->lists);
+  encoded.decoded = ready;
   return encoded;
 }
 

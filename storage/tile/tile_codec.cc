@@ -194,6 +194,18 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, T
   return DecodeTileColumns(columns, lists->members);
 }
 
+std::set<SessionId> SessionsInTile(const Tile& tile) {
+  std::set<SessionId> sessions;
+  for (const HistoryEntry& entry : tile.history) {
+    sessions.insert(entry.session_id);
+  }
+  for (const TileKeyframe& keyframe : tile.keyframes) {
+    sessions.insert(keyframe.session_id);
+  }
+  sessions.erase(SessionId{});
+  return sessions;
+}
+
 std::set<SessionId> SessionsInPayload(std::span<const uint8_t> blob) {
   std::set<SessionId> sessions;
   if (!TileColumns::IsPayload(blob)) {

@@ -34,7 +34,9 @@ Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits = 
 Tile DecodeTile(std::span<const uint8_t> blob, const TileDecodeLimits& limits, TileLists* lists);
 
 // Returns the sessions that the tile names: those of its keyframes and of its landmarks' histories.
-// Returns nothing for bytes that are no tile payload; throws as DecodeTile for a damaged one.
+std::set<SessionId> SessionsInTile(const Tile& tile);
+// Works like SessionsInTile without decoding the rest of the tile. Returns nothing for bytes that
+// are no tile payload; throws as DecodeTile for a damaged one.
 std::set<SessionId> SessionsInPayload(std::span<const uint8_t> blob);
 
 }  // namespace cairn

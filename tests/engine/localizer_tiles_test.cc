@@ -19,15 +19,20 @@ using testing::ExpectSameAnswer;
 using testing::QueryAt;
 using testing::QueryPose;
 
-// The tiles of a map, kept in memory.
+// The tiles of a map, kept in memory, encoded or decoded.
 class TilesInMemory : public MapTiles {
  public:
-  explicit TilesInMemory(const MapSnapshot& map)
+  explicit TilesInMemory(const MapSnapshot& map, bool are_decoded = false)
       : codebook_(map.CurrentCodebook()),
         records_(map.AllTiles(std::numeric_limits<int64_t>::max())) {
     const SnapshotTiles stored(map);
     for (const TileRecord& record : records_) {
-      tiles_[record.tile_id] = stored.LoadTile(record);
+      StoredTile& tile = tiles_[record.tile_id];
+      tile = stored.LoadTile(record);
+      if (are_decoded) {
+        tile.decoded = std::make_shared<const DecodedTile>(DecodePayload(tile.payload));
+        tile.payload.clear();
+      }
     }
   }
 
@@ -41,18 +46,24 @@ class TilesInMemory : public MapTiles {
   std::map<TileId, StoredTile> tiles_;
 };
 
+std::shared_ptr<TileCache> NewCache() { return std::make_shared<TileCache>(size_t{1} << 28); }
+
 class LocalizerInTiles : public testing::OneStreetTest {};
 
 TEST_F(LocalizerInTiles, AnswersAsInTheMapOfTheTiles) {
-  const TilesInMemory tiles(map_->store().Snapshot());
-  const Localizer in_memory(tiles, {});
   const LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
-  ExpectSameAnswer(in_memory.Localize(query), localizer().Localize(query));
+  const LocalizeResult expected = localizer().Localize(query);
+  for (const bool are_decoded : {false, true}) {
+    const TilesInMemory tiles(map_->store().Snapshot(), are_decoded);
+    const LocalizeResult result = Localizer(tiles, {}, NewCache()).Localize(query);
+    ExpectSameAnswer(result, expected);
+    EXPECT_EQ(result.position_accuracy_m, expected.position_accuracy_m);
+  }
 }
 
 TEST_F(LocalizerInTiles, NeedsAPrior) {
   const TilesInMemory tiles(map_->store().Snapshot());
-  const Localizer in_memory(tiles, {});
+  const Localizer in_memory(tiles, {}, NewCache());
   LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
   query.prior.reset();
   EXPECT_EQ(ErrorCodeOf([&] { in_memory.Localize(query); }), ErrorCode::kBadInput);

@@ -9,6 +9,7 @@
 
 #include "engine/mapped_streets.h"
 #include "storage/tile/tile_codec.h"
+#include "support/tile_builder.h"
 
 namespace cairn {
 namespace {
@@ -40,7 +41,8 @@ TEST_F(KnownTilesTest, LackTheReplacedSession) {
     const std::optional<TileRecord> record = FindTile(known, stored.tile_id);
     ASSERT_TRUE(record);
     EXPECT_EQ(2 * record->num_keyframes, stored.num_keyframes);
-    const Tile searched = DecodeTile(known.LoadTile(*record).payload);
+    const auto decoded = known.LoadTile(*record).decoded;
+    const Tile& searched = decoded->tile;
     EXPECT_EQ(CountKeyframesOf(second_, searched), 0);
     EXPECT_EQ(CountKeyframesOf(first_, searched), record->num_keyframes);
     EXPECT_EQ(searched.num_landmarks(), known.Find(stored.tile_id)->num_landmarks());
@@ -51,7 +53,8 @@ TEST_F(KnownTilesTest, WithoutAReplacedSessionAreThoseOfTheMap) {
   const KnownTiles known(snapshot_);
   for (const TileRecord& stored : stored_) {
     EXPECT_EQ(FindTile(known, stored.tile_id)->digest, stored.digest);
-    EXPECT_EQ(known.LoadTile(stored).payload, snapshot_.LoadPayload(stored.payload_id));
+    EXPECT_TRUE(testing::SameTile(known.LoadTile(stored).decoded->tile,
+                                  DecodeTile(snapshot_.LoadPayload(stored.payload_id))));
     EXPECT_EQ(known.Find(stored.tile_id)->num_landmarks(),
               static_cast<size_t>(stored.num_landmarks));
   }
