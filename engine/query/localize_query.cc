@@ -38,10 +38,10 @@ int LocalizeQuery::num_features() const {
 
 void LocalizeQuery::Validate() const {
   ValidateFeatures(features, "features");
-  if (other_cameras.size() > kMaxOtherCameras) {
+  if (other_cameras.size() > RigCamera::kMaxOthers) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("rig: {} cameras besides the first; at most {} are allowed",
-                            other_cameras.size(), kMaxOtherCameras));
+                            other_cameras.size(), RigCamera::kMaxOthers));
   }
   for (size_t i = 0; i < other_cameras.size(); ++i) {
     ValidateRigCamera(other_cameras[i], features.space, i);

@@ -28,8 +28,8 @@ struct LocalizeQuery {
   // Wire codec of projected features; must be the map's (Codebook::CodecName). Ignored for raw
   // features.
   std::string codec;
-  // The other cameras of a rig, at most kMaxOtherCameras. All cameras together are one query, whose
-  // pose is that of `camera`. A camera may have no features.
+  // The other cameras of a rig, at most RigCamera::kMaxOthers. All cameras together are one query,
+  // whose pose is that of `camera`. A camera may have no features.
   std::vector<RigCamera> other_cameras;
   std::optional<PositionPrior> prior;  // If empty, the places of the map are searched
   // that look most like the photo.
@@ -37,8 +37,6 @@ struct LocalizeQuery {
   std::optional<Eigen::Vector3d> down_in_cam;
   // At the deadline, the best answer found so far is returned. Empty means no deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
-
-  static constexpr int kMaxOtherCameras = RigCamera::kMaxOthers;
 
   // Sum over all cameras.
   int num_features() const;

@@ -154,7 +154,7 @@ void ReadOtherCameras(const JsonReader& request, const std::vector<JsonReader>& 
     const auto time_ms = TimeOf(picture);
     const bool is_late =
         first_time_ms && time_ms && std::abs(*time_ms - *first_time_ms) > kMaxRigDelayMs;
-    const bool is_full = out->query.other_cameras.size() == LocalizeQuery::kMaxOtherCameras;
+    const bool is_full = out->query.other_cameras.size() == RigCamera::kMaxOthers;
     if (!place || place->rig != first_place->rig || is_late || is_full) {
       continue;
     }

@@ -131,7 +131,7 @@ LocalizeRequest ReadCommon(const JsonReader& json, const RequestLimits& limits) 
 // The member `kind` ("features" or "image") of element `index` of the rig. `kind` is the one that
 // the first camera sends.
 JsonReader RigMember(const JsonReader& json, size_t index, const char* kind) {
-  const JsonReader element = json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[index];
+  const JsonReader element = json.At("rig").Elements(0, RigCamera::kMaxOthers)[index];
   const bool is_image = std::string_view(kind) == "image";
   if (const auto other = element.Find(is_image ? "features" : "image")) {
     other->Fail("differs from the first camera",
@@ -179,7 +179,7 @@ std::span<const uint8_t> AsBytes(std::string_view text) {
 // The parts of a multipart body.
 struct RequestParts {
   std::optional<std::string_view> request, image, features;
-  std::array<std::optional<std::string_view>, LocalizeQuery::kMaxOtherCameras> rig;
+  std::array<std::optional<std::string_view>, RigCamera::kMaxOthers> rig;
 };
 
 // Data sent as parts must not also occur in the JSON.
@@ -203,7 +203,7 @@ RequestParts SortParts(const std::vector<MultipartPart>& parts) {
       sorted.image = part.content;
     } else if (part.name == "features") {
       sorted.features = part.content;
-    } else if (index >= 0 && index < LocalizeQuery::kMaxOtherCameras) {
+    } else if (index >= 0 && index < RigCamera::kMaxOthers) {
       sorted.rig[index] = part.content;
     } else {
       throw HttpError(ProblemCode::kInvalidMultipart,
@@ -231,7 +231,7 @@ std::vector<std::string_view> RigParts(const JsonReader& json, const RequestPart
                       num_others));
     }
     if (i < num_others) {
-      const JsonReader element = json.At("rig").Elements(0, LocalizeQuery::kMaxOtherCameras)[i];
+      const JsonReader element = json.At("rig").Elements(0, RigCamera::kMaxOthers)[i];
       RefuseMembersOfParts(element);
       contents.push_back(*parts.rig[i]);
     }

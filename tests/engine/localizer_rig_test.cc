@@ -88,7 +88,7 @@ TEST_F(LocalizerRig, RefusesRigsThatMakeNoSense) {
   query.other_cameras[0].features.space = DescriptorSpace::kProjected;
   EXPECT_THROW(localizer().Localize(query), Error);
   query = PoorRigQuery(*world_, QueryPose(20.0));
-  query.other_cameras.resize(LocalizeQuery::kMaxOtherCameras + 1);
+  query.other_cameras.resize(RigCamera::kMaxOthers + 1);
   EXPECT_THROW(localizer().Localize(query), Error);
 }
 
