@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'M', 'W', '1'};
+constexpr std::array<char, 8> kMagic = {'C', 'A', 'I', 'R', 'N', 'M', 'W', '2'};
 constexpr size_t kChecksumAt = kMagic.size();
 constexpr uint64_t kMaxBytes = uint64_t{1} << 33;
 

@@ -11,7 +11,7 @@
 namespace cairn {
 
 // A folder of files, each with the digest of what it was made from and a checksum:
-// docs/formats/mapping_work_v1.md. A file is there as a whole or not at all. Load and Store may be
+// docs/formats/mapping_work_v2.md. A file is there as a whole or not at all. Load and Store may be
 // called from several threads with different names.
 class WorkFolder {
  public:
@@ -27,7 +27,7 @@ class WorkFolder {
   // stored for another key, or if they are damaged: the stage then runs again.
   std::optional<std::vector<uint8_t>> Load(const std::string& name, const std::string& key) const;
 
-  // `name` has no '/', and is one of docs/formats/mapping_work_v1.md: the unfinished file of
+  // `name` has no '/', and is one of docs/formats/mapping_work_v2.md: the unfinished file of
   // another name would not be removed. Replaces what was stored under it. Throws Error(kIo), e.g.
   // on a full disk.
   void Store(const std::string& name, const std::string& key, std::span<const uint8_t> bytes) const;

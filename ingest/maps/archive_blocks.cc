@@ -10,7 +10,9 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "ingest/maps/stored_values.h"
+#include "storage/tile/camera_bytes.h"
 #include "storage/tile/checksum.h"
+#include "storage/tile/pose_bytes.h"
 
 namespace cairn::archive {
 namespace {
@@ -74,9 +76,9 @@ std::vector<Keypoint> GetKeypoints(const std::string& what, ByteReader* reader) 
   return keypoints;
 }
 
-Camera GetCamera(const std::string& what, ByteReader* reader) {
+Camera GetValidCamera(const std::string& what, ByteReader* reader) {
   try {
-    return stored::GetCamera(reader);
+    return GetCamera(reader);
   } catch (const Error& error) {
     ThrowDamaged(what, error.what());
   }
@@ -157,31 +159,11 @@ std::vector<uint8_t> ReadBlock(std::istream* bytes, uint32_t max_block_bytes,
   return content;
 }
 
-void PutRotation(const Eigen::Quaterniond& rotation, ByteWriter* writer) {
-  writer->PutArray(std::span<const double>(rotation.coeffs().data(), 4));
-}
-
-Eigen::Quaterniond GetRotation(ByteReader* reader) {
-  Eigen::Quaterniond rotation;
-  reader->GetArray(std::span<double>(rotation.coeffs().data(), 4));
-  return rotation;
-}
-
-void PutPoint(const Eigen::Vector3d& point, ByteWriter* writer) {
-  writer->PutArray(std::span<const double>(point.data(), 3));
-}
-
-Eigen::Vector3d GetPoint(ByteReader* reader) {
-  Eigen::Vector3d point;
-  reader->GetArray(std::span<double>(point.data(), 3));
-  return point;
-}
-
 std::vector<uint8_t> EncodeCameras(const std::vector<Camera>& cameras) {
   std::vector<uint8_t> content;
   ByteWriter writer(&content);
   for (const Camera& camera : cameras) {
-    stored::PutCamera(camera, &writer);
+    PutCamera(camera, &writer);
   }
   return content;
 }
@@ -191,7 +173,7 @@ std::vector<Camera> DecodeCameras(std::span<const uint8_t> content, size_t num_c
   ByteReader reader(content, what);
   std::vector<Camera> cameras;
   for (size_t i = 0; i < num_cameras; ++i) {
-    cameras.push_back(GetCamera(what, &reader));
+    cameras.push_back(GetValidCamera(what, &reader));
   }
   RequireEnd(reader, what);
   return cameras;
@@ -202,8 +184,7 @@ std::vector<uint8_t> EncodeImage(const ReconImage& image) {
   ByteWriter writer(&content);
   stored::PutText(image.name, &writer);
   writer.Put(static_cast<uint32_t>(image.camera_idx));
-  PutRotation(image.cam_from_world.rotation, &writer);
-  PutPoint(image.cam_from_world.translation, &writer);
+  PutPose(image.cam_from_world, &writer);
   PutKeypoints(image.features.keypoints, &writer);
   PutDescriptors(image.features.descriptors, &writer);
   return content;
@@ -215,8 +196,7 @@ ReconImage DecodeImage(std::span<const uint8_t> content, int descriptor_dim,
   ReconImage image;
   image.name = stored::GetText(&reader);
   image.camera_idx = reader.Get<int32_t>();
-  image.cam_from_world.rotation = GetRotation(&reader);
-  image.cam_from_world.translation = GetPoint(&reader);
+  image.cam_from_world = GetPose(&reader);
   image.features.keypoints = GetKeypoints(what, &reader);
   const size_t num_keypoints = image.features.keypoints.size();
   image.features.descriptors =

@@ -45,11 +45,6 @@ std::vector<uint8_t> EncodeLandmarks(std::span<const ReconLandmark> landmarks);
 void DecodeLandmarks(std::span<const uint8_t> content, size_t num_landmarks,
                      const std::string& what, std::vector<ReconLandmark>* landmarks);
 
-void PutRotation(const Eigen::Quaterniond& rotation, ByteWriter* writer);
-Eigen::Quaterniond GetRotation(ByteReader* reader);  // As it was, to the bit.
-void PutPoint(const Eigen::Vector3d& point, ByteWriter* writer);
-Eigen::Vector3d GetPoint(ByteReader* reader);
-
 }  // namespace cairn::archive
 
 #endif  // CAIRN_INGEST_MAPS_ARCHIVE_BLOCKS_H_

@@ -13,6 +13,7 @@
 #include "storage/map/utc_time.h"
 #include "storage/tile/byte_io.h"
 #include "storage/tile/checksum.h"
+#include "storage/tile/pose_bytes.h"
 
 namespace cairn {
 namespace {
@@ -77,8 +78,8 @@ std::vector<uint8_t> EncodeManifest(const ArchiveManifest& manifest,
   writer.Put(static_cast<uint8_t>(manifest.is_apart ? 1 : 0));
   writer.Put(manifest.georef_median_residual_m);
   writer.Put(manifest.ecef_from_world.scale);
-  archive::PutRotation(manifest.ecef_from_world.rotation, &writer);
-  archive::PutPoint(manifest.ecef_from_world.translation, &writer);
+  PutRotation(manifest.ecef_from_world.rotation, &writer);
+  PutPoint(manifest.ecef_from_world.translation, &writer);
   PutText(reconstruction.descriptor_type, &writer);
   writer.Put(static_cast<uint32_t>(reconstruction.descriptor_dim()));
   writer.Put(static_cast<uint32_t>(reconstruction.cameras.size()));
@@ -186,8 +187,8 @@ ArchiveManifest ParseManifest(const std::vector<uint8_t>& bytes, const std::stri
   manifest.is_apart = is_apart == 1;
   manifest.georef_median_residual_m = reader.Get<double>();
   manifest.ecef_from_world.scale = reader.Get<double>();
-  manifest.ecef_from_world.rotation = archive::GetRotation(&reader);
-  manifest.ecef_from_world.translation = archive::GetPoint(&reader);
+  manifest.ecef_from_world.rotation = GetRotation(&reader);
+  manifest.ecef_from_world.translation = GetPoint(&reader);
   manifest.descriptor_type = GetText(&reader);
   const auto descriptor_dim = reader.Get<uint32_t>();
   manifest.num_cameras = reader.Get<uint32_t>();

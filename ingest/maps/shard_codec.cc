@@ -10,6 +10,7 @@
 #include "ingest/maps/require_input.h"
 #include "ingest/maps/stored_values.h"
 #include "storage/tile/byte_io.h"
+#include "storage/tile/pose_bytes.h"
 
 namespace cairn {
 namespace {
@@ -106,7 +107,7 @@ void PutLandmarks(const TileShard& shard, ByteWriter* writer) {
   for (size_t i = 0; i < shard.landmark_ids.size(); ++i) {
     const PlacedLandmark& landmark = shard.session.landmarks[i];
     writer->Put(Value(shard.landmark_ids[i]));
-    writer->PutArray(std::span<const double>(landmark.x_in_ecef.data(), 3));
+    PutPoint(landmark.x_in_ecef, writer);
     writer->Put(landmark.sigma_m);
     writer->Put(landmark.num_observations);
   }
@@ -117,7 +118,7 @@ void GetLandmarks(size_t count, ByteReader* reader, TileShard* shard) {
   for (size_t i = 0; i < count; ++i) {
     PlacedLandmark landmark;
     shard->landmark_ids.push_back(LandmarkId(reader->Get<uint64_t>()));
-    reader->GetArray(std::span<double>(landmark.x_in_ecef.data(), 3));
+    landmark.x_in_ecef = GetPoint(reader);
     landmark.sigma_m = reader->Get<double>();
     landmark.num_observations = reader->Get<uint32_t>();
     RequireInput(landmark.x_in_ecef.allFinite() && std::isfinite(landmark.sigma_m) &&

@@ -16,21 +16,6 @@ std::string GetText(ByteReader* reader) {
   return {bytes.begin(), bytes.end()};
 }
 
-void PutCamera(const Camera& camera, ByteWriter* writer) {
-  writer->Put(static_cast<int32_t>(camera.model()));
-  writer->Put(static_cast<int32_t>(camera.width_px()));
-  writer->Put(static_cast<int32_t>(camera.height_px()));
-  writer->PutArray(std::span<const double>(camera.params()));
-}
-
-Camera GetCamera(ByteReader* reader) {
-  const CameraModel model = CameraModelFromColmapId(reader->Get<int32_t>());
-  const auto width_px = reader->Get<int32_t>();
-  const auto height_px = reader->Get<int32_t>();
-  return {model, width_px, height_px,
-          reader->GetVector<double>(static_cast<size_t>(NumCameraParams(model)))};
-}
-
 void PutDescriptors(const PackedDescriptors& descriptors, bool as_bytes, ByteWriter* writer) {
   const auto put = [writer](const auto& values) {
     writer->PutArray(std::span(values.data(), static_cast<size_t>(values.size())));

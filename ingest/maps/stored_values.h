@@ -1,4 +1,4 @@
-// The values of which a plan and an archive are made, as bytes: texts, cameras and descriptors.
+// The values of which a plan and an archive are made, as bytes: texts and descriptors.
 // Private to ingest/maps.
 #ifndef CAIRN_INGEST_MAPS_STORED_VALUES_H_
 #define CAIRN_INGEST_MAPS_STORED_VALUES_H_
@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <string>
 
-#include "core/camera.h"
 #include "core/packed_features.h"
 #include "storage/tile/byte_io.h"
 
@@ -15,11 +14,6 @@ namespace cairn::stored {
 // The length as 4 bytes, then the text.
 void PutText(const std::string& text, ByteWriter* writer);
 std::string GetText(ByteReader* reader);
-
-// The model by COLMAP's number, width and height as 4 bytes each, then the parameters.
-void PutCamera(const Camera& camera, ByteWriter* writer);
-// Throws what ByteReader and Camera throw.
-Camera GetCamera(ByteReader* reader);
 
 // Row by row, a value in one byte (`as_bytes`; they must have PackedDescriptors::as_bytes) or as a
 // float.

@@ -30,7 +30,7 @@ ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes, const FeatureEx
 // A blank or blurred photo. No pose can be told from fewer.
 inline constexpr int kMinFeatures = 20;
 
-// A photo as a file of the work folder: docs/formats/mapping_work_v1.md.
+// A photo as a file of the work folder: docs/formats/mapping_work_v2.md.
 std::vector<uint8_t> EncodeReadPhoto(const ReadPhotoResult& photo);
 // Throws Error(kMapDamaged), beginning with `what`, if the bytes are no photo whose descriptors
 // have this length.

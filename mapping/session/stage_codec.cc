@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "storage/tile/byte_io.h"
+#include "storage/tile/camera_bytes.h"
 #include "storage/tile/pose_bytes.h"
 
 namespace cairn {
@@ -47,20 +48,6 @@ TwoView GetTwoView(const PhotoSet& set, ByteReader* reader, const std::string& w
   return view;
 }
 
-void PutCamera(const Camera& camera, ByteWriter* writer) {
-  writer->Put<uint8_t>(static_cast<uint8_t>(camera.model()));
-  PutIndex(camera.width_px(), writer);
-  PutIndex(camera.height_px(), writer);
-  writer->PutArray(std::span<const double>(camera.params()));
-}
-
-Camera GetCamera(ByteReader* reader) {
-  const CameraModel model = CameraModelFromColmapId(reader->Get<uint8_t>());
-  const uint32_t width_px = reader->Get<uint32_t>(), height_px = reader->Get<uint32_t>();
-  return Camera(model, static_cast<int>(width_px), static_cast<int>(height_px),
-                reader->GetVector<double>(static_cast<size_t>(NumCameraParams(model))));
-}
-
 void PutSegment(const Segment& segment, ByteWriter* writer) {
   const Reconstruction& model = segment.model;
   PutIndex(static_cast<int>(model.cameras.size()), writer);
@@ -75,7 +62,7 @@ void PutSegment(const Segment& segment, ByteWriter* writer) {
   }
   PutIndex(static_cast<int>(model.landmarks.size()), writer);
   for (const ReconLandmark& landmark : model.landmarks) {
-    writer->PutArray(std::span<const double>(landmark.x_in_world.data(), 3));
+    PutPoint(landmark.x_in_world, writer);
     PutIndex(static_cast<int>(landmark.observations.size()), writer);
     for (const ReconObservation& seen : landmark.observations) {
       PutIndex(seen.image_idx, writer);
@@ -115,7 +102,7 @@ Segment GetSegment(const PhotoSet& set, ByteReader* reader, const std::string& w
   const uint32_t num_landmarks = reader->Get<uint32_t>();
   for (uint32_t i = 0; i < num_landmarks; ++i) {
     ReconLandmark landmark;
-    reader->GetArray(std::span<double>(landmark.x_in_world.data(), 3));
+    landmark.x_in_world = GetPoint(reader);
     const uint32_t count = reader->Get<uint32_t>();
     for (uint32_t j = 0; j < count; ++j) {
       ReconObservation seen;

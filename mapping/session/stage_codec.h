@@ -1,4 +1,4 @@
-// The results of stages as bytes of the work folder: docs/formats/mapping_work_v1.md.
+// The results of stages as bytes of the work folder: docs/formats/mapping_work_v2.md.
 #ifndef CAIRN_MAPPING_SESSION_STAGE_CODEC_H_
 #define CAIRN_MAPPING_SESSION_STAGE_CODEC_H_
 

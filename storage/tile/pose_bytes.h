@@ -1,8 +1,10 @@
-// A pose as bytes.
+// Points, rotations and poses as bytes. Private to storage, ingest and mapping.
 #ifndef CAIRN_STORAGE_TILE_POSE_BYTES_H_
 #define CAIRN_STORAGE_TILE_POSE_BYTES_H_
 
-#include <array>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
 #include <span>
 
 #include "core/rigid3.h"
@@ -10,23 +12,42 @@
 
 namespace cairn {
 
-// Seven doubles: the quaternion w, x, y, z, and the translation. Other formats have their own
-// order.
+// Three doubles.
+inline void PutPoint(const Eigen::Vector3d& point, ByteWriter* writer) {
+  writer->PutArray(std::span<const double>(point.data(), 3));
+}
+
+inline Eigen::Vector3d GetPoint(ByteReader* reader) {
+  Eigen::Vector3d point;
+  reader->GetArray(std::span<double>(point.data(), 3));
+  return point;
+}
+
+// Four doubles: the quaternion x, y, z, w.
+inline void PutRotation(const Eigen::Quaterniond& rotation, ByteWriter* writer) {
+  writer->PutArray(std::span<const double>(rotation.coeffs().data(), 4));
+}
+
+inline Eigen::Quaterniond GetRotation(ByteReader* reader) {
+  Eigen::Quaterniond rotation;
+  reader->GetArray(std::span<double>(rotation.coeffs().data(), 4));
+  return rotation;
+}
+
+inline constexpr size_t kPoseBytes = 7 * sizeof(double);
+
+// The rotation, then the translation.
 inline void PutPose(const Rigid3d& pose, ByteWriter* writer) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  const Eigen::Vector3d& t = pose.translation;
-  writer->PutArray(
-      std::span<const double>(std::array{q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}));
+  PutRotation(pose.rotation, writer);
+  PutPoint(pose.translation, writer);
 }
 
 // Returns the pose bit by bit: the constructor of Rigid3d would normalize it. The numbers of
 // untrusted bytes may be any.
 inline Rigid3d GetPose(ByteReader* reader) {
-  std::array<double, 7> numbers;
-  reader->GetArray(std::span<double>(numbers));
   Rigid3d pose;
-  pose.rotation = Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]);
-  pose.translation = {numbers[4], numbers[5], numbers[6]};
+  pose.rotation = GetRotation(reader);
+  pose.translation = GetPoint(reader);
   return pose;
 }
 

@@ -1,13 +1,13 @@
 #include "storage/tile/tile_codec.h"
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <string>
 
 #include "core/error.h"
 #include "storage/tile/byte_io.h"
 #include "storage/tile/morton.h"
+#include "storage/tile/pose_bytes.h"
 #include "storage/tile/tile_checks.h"
 #include "storage/tile/tile_columns.h"
 #include "storage/tile/tile_decode.h"
@@ -61,12 +61,6 @@ void PutByteDifferences(std::span<const uint8_t> values, TileColumnWriter* write
   writer->Put(differences);
 }
 
-std::array<double, kNumPoseNumbers> PoseNumbers(const Rigid3d& pose) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  const Eigen::Vector3d& t = pose.translation;
-  return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
-}
-
 void PutHistories(const Tile& tile, TileColumnWriter* writer) {
   std::vector<uint8_t> counts(tile.num_landmarks());
   for (size_t i = 0; i < counts.size(); ++i) {
@@ -92,7 +86,7 @@ void PutKeyframes(const std::vector<TileKeyframe>& keyframes, TileColumnWriter* 
   std::vector<uint8_t> poses;
   ByteWriter poses_writer(&poses);
   for (const TileKeyframe& keyframe : keyframes) {
-    poses_writer.PutArray(std::span<const double>(PoseNumbers(keyframe.cam_from_tile)));
+    PutPose(keyframe.cam_from_tile, &poses_writer);
   }
   writer->Put(poses);
 }

@@ -9,6 +9,7 @@
 #include "core/simd.h"
 #include "storage/tile/byte_io.h"
 #include "storage/tile/checksum.h"
+#include "storage/tile/pose_bytes.h"
 #include "storage/tile/tile.h"
 #include "storage/tile/tile_checks.h"
 #include "storage/tile/tile_parts.h"
@@ -135,7 +136,7 @@ size_t TileHeader::ColumnSize(size_t column) const {
       {kOrientationsColumn, num_history_entries},
       {kKeyframeIdsColumn, num_descriptors},
       {kPosesColumn, num_keyframes},
-      {kObservationCountsColumn, num_keyframes * kNumPoseNumbers * sizeof(double)},
+      {kObservationCountsColumn, num_keyframes * kPoseBytes},
       {kObservationsColumn, num_keyframes},
       {kNumTileColumns, observations_size}};
   return std::find_if(std::begin(ranges), std::end(ranges),

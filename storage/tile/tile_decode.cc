@@ -1,7 +1,6 @@
 #include "storage/tile/tile_decode.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <memory>
@@ -11,6 +10,7 @@
 
 #include "core/simd.h"
 #include "storage/tile/morton.h"
+#include "storage/tile/pose_bytes.h"
 #include "storage/tile/tile_checks.h"
 #include "storage/tile/tile_parts.h"
 
@@ -168,9 +168,7 @@ std::vector<TileKeyframe> GetKeyframes(size_t count, TileColumnReader* reader) {
   ByteReader poses(reader->Get(kPosesColumn), "tile payload");
   std::vector<TileKeyframe> keyframes(count);
   for (size_t k = 0; k < count; ++k) {
-    std::array<double, kNumPoseNumbers> numbers;
-    poses.GetArray(std::span<double>(numbers));
-    keyframes[k] = {ids[k], sessions[k], PoseFromNumbers(numbers)};
+    keyframes[k] = {ids[k], sessions[k], GetPose(&poses)};
     if (!IsPose(keyframes[k].cam_from_tile)) {
       ThrowDamagedTile("pose of keyframe " + std::to_string(k) + " is not a rigid transform");
     }

@@ -2,7 +2,6 @@
 #ifndef CAIRN_STORAGE_TILE_TILE_PARTS_H_
 #define CAIRN_STORAGE_TILE_TILE_PARTS_H_
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,7 +9,6 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/rigid3.h"
 #include "core/tile_id.h"
 #include "storage/tile/byte_io.h"
 
@@ -32,16 +30,6 @@ inline TileId TileIdFromPayload(uint64_t value) {
   } catch (const Error& error) {
     ThrowDamagedTile(error.what());
   }
-}
-
-inline constexpr size_t kNumPoseNumbers = 7;  // Quaternion x, y, z, w, translation x, y, z.
-
-// Keeps the stored rotation; the constructor of Rigid3d would normalize it again.
-inline Rigid3d PoseFromNumbers(const std::array<double, kNumPoseNumbers>& numbers) {
-  Rigid3d pose;
-  pose.rotation.coeffs() << numbers[0], numbers[1], numbers[2], numbers[3];
-  pose.translation << numbers[4], numbers[5], numbers[6];
-  return pose;
 }
 
 // Reads `count` ascending indices below `end` and calls set(index) for each. The first varint is
