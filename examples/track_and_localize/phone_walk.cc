@@ -5,8 +5,8 @@
 #include <random>
 
 #include "cli/demo/street/build_street.h"
-#include "lab/recordings/measure_motion.h"
-#include "lab/recordings/motion.h"
+#include "eval/recordings/measure_motion.h"
+#include "eval/recordings/motion.h"
 
 namespace cairn {
 namespace {

@@ -9,11 +9,11 @@
 #include "core/angles.h"
 #include "core/geodesy.h"
 #include "core/require.h"
+#include "eval/recordings/measure_motion.h"
+#include "eval/recordings/motion.h"
 #include "lab/city/camera_angles.h"
 #include "lab/city/city_region.h"
 #include "lab/city/hashed_random.h"
-#include "lab/recordings/measure_motion.h"
-#include "lab/recordings/motion.h"
 
 namespace cairn {
 namespace {

@@ -30,7 +30,7 @@ struct ExperimentContext {
   uint64_t seed = 1;
   int num_queries = 0;  // Per world; 0: the size decides.
   int num_threads = 2;
-  // Folder of the recordings of lab/recordings/room_recordings.h. Empty: experiments 16 and 17 use
+  // Folder of the recordings of eval/recordings/room_recordings.h. Empty: experiments 16 and 17 use
   // city walks only.
   std::string trajectories_folder;
   ExperimentWorlds* worlds = nullptr;

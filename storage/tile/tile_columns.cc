@@ -129,16 +129,15 @@ size_t TileHeader::ColumnSize(size_t column) const {
     size_t end;
     size_t size;
   };
-  const Range ranges[] = {
-      {kListMembersColumn, num_lists},
-      {kPositionsColumn, num_members()},
-      {kHistorySessionsColumn, num_landmarks},
-      {kOrientationsColumn, num_history_entries},
-      {kKeyframeIdsColumn, num_descriptors},
-      {kPosesColumn, num_keyframes},
-      {kObservationCountsColumn, num_keyframes * kPoseBytes},
-      {kObservationsColumn, num_keyframes},
-      {kNumTileColumns, observations_size}};
+  const Range ranges[] = {{kListMembersColumn, num_lists},
+                          {kPositionsColumn, num_members()},
+                          {kHistorySessionsColumn, num_landmarks},
+                          {kOrientationsColumn, num_history_entries},
+                          {kKeyframeIdsColumn, num_descriptors},
+                          {kPosesColumn, num_keyframes},
+                          {kObservationCountsColumn, num_keyframes * kPoseBytes},
+                          {kObservationsColumn, num_keyframes},
+                          {kNumTileColumns, observations_size}};
   return std::find_if(std::begin(ranges), std::end(ranges),
                       [column](const Range& range) { return column < range.end; })
       ->size;

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "lab/recordings/room_recordings.h"
+#include "eval/recordings/room_recordings.h"
 #include "lab/rivals/fusion/comparison.h"
 #include "lab/trajectories.h"
 #include "support/test_data.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/angles.h"
-#include "lab/recordings/measure_motion.h"
+#include "eval/recordings/measure_motion.h"
 
 namespace cairn::fusion::testing {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "eval/recordings/figure_of_eight.h"
 #include "fusion/estimator/fusion_options.h"
 #include "fusion/estimator/fusion_types.h"
-#include "lab/recordings/figure_of_eight.h"
 
 namespace cairn::fusion::testing {
 

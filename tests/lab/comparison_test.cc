@@ -11,10 +11,10 @@
 
 #include "core/error.h"
 #include "core/inertial/imu_buffer.h"
+#include "eval/recordings/room_recordings.h"
+#include "eval/recordings/trajectory_interpolation.h"
 #include "fusion/errors.h"
 #include "fusion/start/standstill.h"
-#include "lab/recordings/room_recordings.h"
-#include "lab/recordings/trajectory_interpolation.h"
 #include "lab/rivals/fusion/run_estimators.h"
 #include "lab/trajectories.h"
 #include "support/test_data.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "lab/recordings/figure_of_eight.h"
-#include "lab/recordings/measure_motion.h"
-#include "lab/recordings/simulate_recording.h"
+#include "eval/recordings/figure_of_eight.h"
+#include "eval/recordings/measure_motion.h"
+#include "eval/recordings/simulate_recording.h"
 
 namespace cairn::fusion::testing {
 

@@ -10,9 +10,9 @@
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
 #include "engine/localizer.h"
+#include "eval/recordings/simulate_recording.h"
 #include "lab/city/hashed_random.h"
 #include "lab/city/phone_sequence.h"
-#include "lab/recordings/simulate_recording.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {

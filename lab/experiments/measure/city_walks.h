@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "eval/recordings/recording.h"
 #include "lab/city/city_options.h"
 #include "lab/city/city_world.h"
-#include "lab/recordings/recording.h"
 
 namespace cairn {
 

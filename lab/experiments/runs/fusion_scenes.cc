@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "eval/recordings/room_recordings.h"
 #include "lab/experiments/measure/city_walks.h"
-#include "lab/recordings/room_recordings.h"
 
 namespace cairn {
 namespace {

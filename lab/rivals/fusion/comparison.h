@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lab/recordings/recording.h"
+#include "eval/recordings/recording.h"
 #include "lab/rivals/fusion/bundle_adjuster_options.h"
 
 namespace cairn::fusion {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/rigid3.h"
-#include "lab/recordings/recording.h"
+#include "eval/recordings/recording.h"
 #include "lab/rivals/fusion/bundle_adjuster_options.h"
 
 namespace cairn::fusion {

@@ -1,6 +1,6 @@
 // Simulates an IMU on a motion: samples with noise and random-walk biases, and the true states.
-#ifndef CAIRN_LAB_RECORDINGS_MEASURE_MOTION_H_
-#define CAIRN_LAB_RECORDINGS_MEASURE_MOTION_H_
+#ifndef CAIRN_EVAL_RECORDINGS_MEASURE_MOTION_H_
+#define CAIRN_EVAL_RECORDINGS_MEASURE_MOTION_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/inertial/imu.h"
-#include "lab/recordings/motion.h"
+#include "eval/recordings/motion.h"
 
 namespace cairn::fusion {
 
@@ -38,4 +38,4 @@ InertialWalk MeasureMotion(const Motion& motion, int num_samples, const Inertial
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_MEASURE_MOTION_H_
+#endif  // CAIRN_EVAL_RECORDINGS_MEASURE_MOTION_H_

@@ -1,4 +1,4 @@
-#include "lab/recordings/simulate_recording.h"
+#include "eval/recordings/simulate_recording.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "core/angles.h"
 #include "core/error.h"
 #include "core/require.h"
-#include "lab/recordings/trajectory_interpolation.h"
+#include "eval/recordings/trajectory_interpolation.h"
 
 namespace cairn::fusion {
 namespace {

@@ -14,7 +14,7 @@ constexpr double kDark = 40.0;
 constexpr double kBright = 220.0;
 const PhotoEffects kNoEffects = {1.0, 0.0, 0.0, 0};
 
-Camera TestCamera() { return {CameraModel::kPinhole, 320, 240, {210.0, 205.0, 158.0, 121.0}}; }
+Camera SmallCamera() { return {CameraModel::kPinhole, 320, 240, {210.0, 205.0, 158.0, 121.0}}; }
 
 std::shared_ptr<const Texture> PlainTexture(double gray) {
   return std::make_shared<const Texture>(cv::Mat(64, 64, CV_8UC1, cv::Scalar(gray)));
@@ -56,7 +56,7 @@ Eigen::Vector2d MarkNear(const Eigen::Vector2d& pixel, const GrayImage& image) {
 
 TEST(Renderer, ShowsTheMarkWhereTheCameraProjectsIt) {
   const Renderer renderer({WallWithMark()});
-  const Camera camera = TestCamera();
+  const Camera camera = SmallCamera();
   // Straight, oblique, from above and below.
   for (const Eigen::Vector3d& center :
        {Eigen::Vector3d(0.5, -1.3, 1.4), Eigen::Vector3d(0.1, -1.2, 1.7),
@@ -73,7 +73,7 @@ TEST(Renderer, AgreesWithRayCastingAboutWhatIsSky) {
   const TexturedRect ground = {
       {-30.0, 30.0, 0.0}, {60.0, 0.0, 0.0}, {0.0, -60.0, 0.0}, PlainTexture(100.0)};
   const Renderer renderer({WallWithMark(), ground});
-  const Camera camera = TestCamera();
+  const Camera camera = SmallCamera();
   const Rigid3d cam_from_enu = LookAt({1.0, -6.0, 1.5}, {-1.0, 2.0, 2.5});
   const GrayImage image = renderer.Render(camera, cam_from_enu, kNoEffects);
   const Rigid3d enu_from_cam = cam_from_enu.Inverse();
@@ -99,7 +99,7 @@ TEST(Renderer, NearerRectanglesHideFartherOnes) {
   far_wall.corner_in_enu.y() = 1.0;
   const Rigid3d cam_from_enu = LookAt({0.0, -1.0, 2.0}, {0.0, 0.0, 2.0});
   for (const auto& rects : {std::vector{near_wall, far_wall}, std::vector{far_wall, near_wall}}) {
-    const GrayImage image = Renderer(rects).Render(TestCamera(), cam_from_enu, kNoEffects);
+    const GrayImage image = Renderer(rects).Render(SmallCamera(), cam_from_enu, kNoEffects);
     EXPECT_EQ(image.pixels[120 * 320 + 160], 90);
   }
 }
@@ -107,7 +107,7 @@ TEST(Renderer, NearerRectanglesHideFartherOnes) {
 TEST(Renderer, RectanglesHaveNoBack) {
   const Renderer renderer({WallWithMark()});
   const GrayImage image =
-      renderer.Render(TestCamera(), LookAt({0.0, 3.0, 2.0}, {0.0, 0.0, 2.0}), kNoEffects);
+      renderer.Render(SmallCamera(), LookAt({0.0, 3.0, 2.0}, {0.0, 0.0, 2.0}), kNoEffects);
   for (const uint8_t pixel : image.pixels) {
     ASSERT_GT(pixel, 200);  // Sky.
   }
@@ -122,7 +122,7 @@ TEST(Renderer, FiltersFineTexturesToTheirMean) {
   TexturedRect wall = WallWithMark();
   wall.texture = std::make_shared<const Texture>(stripes);
   const GrayImage image =
-      Renderer({wall}).Render(TestCamera(), LookAt({0.0, -6.0, 2.0}, {0.0, 0.0, 2.0}), kNoEffects);
+      Renderer({wall}).Render(SmallCamera(), LookAt({0.0, -6.0, 2.0}, {0.0, 0.0, 2.0}), kNoEffects);
   for (int x = 120; x < 200; ++x) {
     EXPECT_NEAR(image.pixels[120 * 320 + x], 125, 3);
   }
@@ -134,7 +134,7 @@ TEST(Renderer, AppliesExposureVignettingAndNoise) {
   const Renderer renderer({wall});
   const Rigid3d cam_from_enu = LookAt({0.0, -0.5, 2.0}, {0.0, 0.0, 2.0});
   const auto render = [&](const PhotoEffects& effects) {
-    return renderer.Render(TestCamera(), cam_from_enu, effects);
+    return renderer.Render(SmallCamera(), cam_from_enu, effects);
   };
   EXPECT_EQ(render({1.5, 0.0, 0.0, 0}).pixels[120 * 320 + 160], 150);
   const GrayImage vignetted = render({1.0, 0.4, 0.0, 0});

@@ -1,4 +1,4 @@
-#include "lab/recordings/trajectory_interpolation.h"
+#include "eval/recordings/trajectory_interpolation.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "lab/recordings/room_recordings.h"
+#include "eval/recordings/room_recordings.h"
 
-#include "lab/recordings/read_trajectory.h"
+#include "eval/recordings/read_trajectory.h"
 
 namespace cairn::fusion {
 namespace {

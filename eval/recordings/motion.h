@@ -1,6 +1,6 @@
 // Motions of a simulated IMU.
-#ifndef CAIRN_LAB_RECORDINGS_MOTION_H_
-#define CAIRN_LAB_RECORDINGS_MOTION_H_
+#ifndef CAIRN_EVAL_RECORDINGS_MOTION_H_
+#define CAIRN_EVAL_RECORDINGS_MOTION_H_
 
 #include <Eigen/Core>
 #include <functional>
@@ -26,4 +26,4 @@ Motion MotionAlong(std::function<Rigid3d(double time_s)> world_from_imu);
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_MOTION_H_
+#endif  // CAIRN_EVAL_RECORDINGS_MOTION_H_

@@ -1,4 +1,4 @@
-#include "lab/recordings/measure_motion.h"
+#include "eval/recordings/measure_motion.h"
 
 #include <gtest/gtest.h>
 

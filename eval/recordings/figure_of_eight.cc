@@ -1,4 +1,4 @@
-#include "lab/recordings/figure_of_eight.h"
+#include "eval/recordings/figure_of_eight.h"
 
 #include <algorithm>
 #include <cmath>

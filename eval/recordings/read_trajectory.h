@@ -1,10 +1,10 @@
 // Reads real trajectories: inertial samples and poses of a device in EuRoC's format.
-#ifndef CAIRN_LAB_RECORDINGS_READ_TRAJECTORY_H_
-#define CAIRN_LAB_RECORDINGS_READ_TRAJECTORY_H_
+#ifndef CAIRN_EVAL_RECORDINGS_READ_TRAJECTORY_H_
+#define CAIRN_EVAL_RECORDINGS_READ_TRAJECTORY_H_
 
 #include <string>
 
-#include "lab/recordings/simulate_recording.h"
+#include "eval/recordings/simulate_recording.h"
 
 namespace cairn::fusion {
 
@@ -21,4 +21,4 @@ Trajectory ReadTrajectory(const std::string& name, const std::string& imu_path,
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_READ_TRAJECTORY_H_
+#endif  // CAIRN_EVAL_RECORDINGS_READ_TRAJECTORY_H_

@@ -1,11 +1,11 @@
 // A walk along a figure of eight, with exact derivatives.
-#ifndef CAIRN_LAB_RECORDINGS_FIGURE_OF_EIGHT_H_
-#define CAIRN_LAB_RECORDINGS_FIGURE_OF_EIGHT_H_
+#ifndef CAIRN_EVAL_RECORDINGS_FIGURE_OF_EIGHT_H_
+#define CAIRN_EVAL_RECORDINGS_FIGURE_OF_EIGHT_H_
 
 #include <cstdint>
 #include <vector>
 
-#include "lab/recordings/motion.h"
+#include "eval/recordings/motion.h"
 
 namespace cairn::fusion {
 
@@ -43,4 +43,4 @@ class FigureOfEight {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_FIGURE_OF_EIGHT_H_
+#endif  // CAIRN_EVAL_RECORDINGS_FIGURE_OF_EIGHT_H_

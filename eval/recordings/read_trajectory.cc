@@ -1,4 +1,4 @@
-#include "lab/recordings/read_trajectory.h"
+#include "eval/recordings/read_trajectory.h"
 
 #include <array>
 #include <charconv>

@@ -1,13 +1,13 @@
 // Interpolates the true poses of a trajectory.
-#ifndef CAIRN_LAB_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
-#define CAIRN_LAB_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
+#ifndef CAIRN_EVAL_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
+#define CAIRN_EVAL_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
 #include "core/rigid3.h"
-#include "lab/recordings/simulate_recording.h"
+#include "eval/recordings/simulate_recording.h"
 
 namespace cairn::fusion {
 
@@ -20,4 +20,4 @@ Eigen::Vector3d VelocityAt(const std::vector<TruePose>& poses, int64_t timestamp
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_TRAJECTORY_INTERPOLATION_H_
+#endif  // CAIRN_EVAL_RECORDINGS_TRAJECTORY_INTERPOLATION_H_

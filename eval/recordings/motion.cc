@@ -1,4 +1,4 @@
-#include "lab/recordings/motion.h"
+#include "eval/recordings/motion.h"
 
 #include <array>
 #include <utility>

@@ -1,7 +1,7 @@
 // Makes recordings: inertial samples along a simulated or real trajectory, seen by simulated
 // cameras.
-#ifndef CAIRN_LAB_RECORDINGS_SIMULATE_RECORDING_H_
-#define CAIRN_LAB_RECORDINGS_SIMULATE_RECORDING_H_
+#ifndef CAIRN_EVAL_RECORDINGS_SIMULATE_RECORDING_H_
+#define CAIRN_EVAL_RECORDINGS_SIMULATE_RECORDING_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -12,8 +12,8 @@
 #include "core/camera.h"
 #include "core/inertial/imu.h"
 #include "core/rigid3.h"
+#include "eval/recordings/recording.h"
 #include "fusion/filter/filter_state.h"
-#include "lab/recordings/recording.h"
 
 namespace cairn::fusion {
 
@@ -103,4 +103,4 @@ void SmoothPoses(const PoseNoise& pose_noise, const ImuNoise& imu_noise, Traject
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_SIMULATE_RECORDING_H_
+#endif  // CAIRN_EVAL_RECORDINGS_SIMULATE_RECORDING_H_

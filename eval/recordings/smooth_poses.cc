@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "core/inertial/imu_buffer.h"
 #include "core/inertial/imu_propagation.h"
-#include "lab/recordings/simulate_recording.h"
-#include "lab/recordings/trajectory_interpolation.h"
+#include "eval/recordings/simulate_recording.h"
+#include "eval/recordings/trajectory_interpolation.h"
 
 namespace cairn::fusion {
 namespace {

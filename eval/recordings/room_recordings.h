@@ -1,12 +1,12 @@
 // Trajectories and inertial samples of real devices that were moved through rooms under motion
 // capture. Simulated cameras are attached to them.
-#ifndef CAIRN_LAB_RECORDINGS_ROOM_RECORDINGS_H_
-#define CAIRN_LAB_RECORDINGS_ROOM_RECORDINGS_H_
+#ifndef CAIRN_EVAL_RECORDINGS_ROOM_RECORDINGS_H_
+#define CAIRN_EVAL_RECORDINGS_ROOM_RECORDINGS_H_
 
 #include <string>
 #include <vector>
 
-#include "lab/recordings/simulate_recording.h"
+#include "eval/recordings/simulate_recording.h"
 
 namespace cairn::fusion {
 
@@ -32,4 +32,4 @@ std::vector<Room> AllRooms(const std::string& folder);
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_ROOM_RECORDINGS_H_
+#endif  // CAIRN_EVAL_RECORDINGS_ROOM_RECORDINGS_H_

@@ -5,8 +5,8 @@
 #include "core/error.h"
 #include "core/inertial/imu_buffer.h"
 #include "core/rotation_between.h"
-#include "lab/recordings/simulate_recording.h"
-#include "lab/recordings/trajectory_interpolation.h"
+#include "eval/recordings/simulate_recording.h"
+#include "eval/recordings/trajectory_interpolation.h"
 
 namespace cairn::fusion {
 namespace {

@@ -1,7 +1,7 @@
 // A recording: one trip as sensors, tracker and map saw it, with the truth. Estimators are compared
 // on recordings.
-#ifndef CAIRN_LAB_RECORDINGS_RECORDING_H_
-#define CAIRN_LAB_RECORDINGS_RECORDING_H_
+#ifndef CAIRN_EVAL_RECORDINGS_RECORDING_H_
+#define CAIRN_EVAL_RECORDINGS_RECORDING_H_
 
 #include <cstdint>
 #include <string>
@@ -41,4 +41,4 @@ struct Recording {
 
 }  // namespace cairn::fusion
 
-#endif  // CAIRN_LAB_RECORDINGS_RECORDING_H_
+#endif  // CAIRN_EVAL_RECORDINGS_RECORDING_H_
