@@ -91,6 +91,17 @@ TEST(QueryPlan, TheVersionIsOneStepFromTheEnd) {
               Not(HasSubstr("TEMP B-TREE")));
 }
 
+TEST(QueryPlan, PastTilesComeByTheirKeys) {
+  const TempDir dir;
+  const std::string path = MakeStreetMap(dir.File("a.gpkg"));
+  for (const std::string_view sql :
+       {queries::PastTilesWithIdsSql(), queries::PastTilesOfPageSql()}) {
+    const std::string plan = PlanOf(path, sql);
+    EXPECT_THAT(plan, HasSubstr("SEARCH t USING PRIMARY KEY (tile_id"));
+    EXPECT_THAT(plan, Not(HasSubstr("SCAN t")));
+  }
+}
+
 TEST(QueryPlan, WhatChangedComesThroughIndices) {
   const TempDir dir;
   const std::string plan = PlanOf(MakeStreetMap(dir.File("a.gpkg")), queries::ChangedTilesSql());

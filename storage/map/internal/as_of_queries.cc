@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "core/error.h"
@@ -19,12 +20,13 @@ TileId IdOf(const TileRecord& tile) { return tile.tile_id; }
 SessionId IdOf(const SessionRecord& session) { return session.id; }
 KeyframeId IdOf(const KeyframeRecord& keyframe) { return keyframe.id; }
 
-// Adds the rows of past(connection, version) that `keep` accepts to `records`, which were read from
-// the tables of the latest version when it was `latest` or before. Sorts by id and drops repeated
-// rows.
-template <typename Record, typename Past, typename Keep>
+int64_t ValueOf(TileId tile_id) { return static_cast<int64_t>(tile_id.value()); }
+
+// Adds the rows of past(connection, version, args...) to `records`, which were read from the tables
+// of the latest version when it was `latest` or before. Sorts by id and drops repeated rows.
+template <typename Record, typename Past, typename... Args>
 void AddPastBefore(MapVersion latest, db::Connection* connection, MapVersion version,
-                   const Past& past, const Keep& keep, std::vector<Record>* records) {
+                   std::vector<Record>* records, const Past& past, const Args&... args) {
   if (latest == version) {
     return;
   }
@@ -33,9 +35,8 @@ void AddPastBefore(MapVersion latest, db::Connection* connection, MapVersion ver
                 fmt::format("{}: the server has lost version {}; try again", connection->name(),
                             Value(version)));
   }
-  std::vector<Record> removed = past(connection, version);
-  std::copy_if(std::make_move_iterator(removed.begin()), std::make_move_iterator(removed.end()),
-               std::back_inserter(*records), keep);
+  std::vector<Record> removed = past(connection, version, args...);
+  std::move(removed.begin(), removed.end(), std::back_inserter(*records));
   RequireKept(connection, version);
   std::stable_sort(records->begin(), records->end(),
                    [](const Record& a, const Record& b) { return IdOf(a) < IdOf(b); });
@@ -44,10 +45,15 @@ void AddPastBefore(MapVersion latest, db::Connection* connection, MapVersion ver
                  records->end());
 }
 
-template <typename Record, typename Past, typename Keep>
-void AddPast(db::Connection* connection, MapVersion version, const Past& past, const Keep& keep,
-             std::vector<Record>* records) {
-  AddPastBefore(queries::LatestVersion(connection), connection, version, past, keep, records);
+template <typename Record, typename Past, typename... Args>
+void AddPast(db::Connection* connection, MapVersion version, std::vector<Record>* records,
+             const Past& past, const Args&... args) {
+  AddPastBefore(queries::LatestVersion(connection), connection, version, records, past, args...);
+}
+
+void KeepThoseIn(const GeoBox& box, std::vector<TileRecord>* tiles) {
+  std::erase_if(*tiles,
+                [&](const TileRecord& tile) { return !BoxesMeet(tile.tile_id.Bounds(), box); });
 }
 
 template <typename Record>
@@ -88,16 +94,14 @@ MapInfo Info(db::Connection* connection, MapVersion version) {
 std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
                                   MapVersion version) {
   std::vector<TileRecord> tiles = queries::FindTiles(connection, box, version);
-  AddPast(
-      connection, version, queries::PastTiles,
-      [&](const TileRecord& tile) { return BoxesMeet(tile.tile_id.Bounds(), box); }, &tiles);
+  AddPast(connection, version, &tiles, queries::PastTiles);
+  KeepThoseIn(box, &tiles);
   return tiles;
 }
 
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion version) {
   std::vector<TileRecord> tiles = queries::AllTiles(connection, limit, version);
-  AddPast(
-      connection, version, queries::PastTiles, [](const TileRecord&) { return true; }, &tiles);
+  AddPast(connection, version, &tiles, queries::PastTiles);
   tiles.resize(std::min(tiles.size(), static_cast<size_t>(std::max<int64_t>(limit, 0))));
   return tiles;
 }
@@ -105,12 +109,13 @@ std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapV
 TilePage FindTilePage(db::Connection* connection, const TilePageRequest& request,
                       MapVersion version) {
   TilePage page = queries::FindTilePage(connection, request, version);
-  const auto is_in_page = [&](const TileRecord& tile) {
-    return (!request.after || *request.after < tile.tile_id) &&
-           (!page.resume_after || !(*page.resume_after < tile.tile_id)) &&
-           (!request.box || BoxesMeet(tile.tile_id.Bounds(), *request.box));
-  };
-  AddPast(connection, version, queries::PastTiles, is_in_page, &page.tiles);
+  constexpr int64_t kLastId = std::numeric_limits<int64_t>::max();
+  const int64_t after = request.after ? ValueOf(*request.after) : -1;
+  const int64_t last = page.resume_after ? ValueOf(*page.resume_after) : kLastId;
+  AddPast(connection, version, &page.tiles, queries::PastTilesOfPage, after, last);
+  if (request.box) {
+    KeepThoseIn(*request.box, &page.tiles);
+  }
   if (page.tiles.size() > static_cast<size_t>(request.limit)) {
     page.tiles.resize(request.limit);
     page.resume_after = page.tiles.back().tile_id;
@@ -120,19 +125,14 @@ TilePage FindTilePage(db::Connection* connection, const TilePageRequest& request
 
 std::optional<TileRecord> FindTile(db::Connection* connection, TileId tile_id, MapVersion version) {
   std::vector<TileRecord> tiles = ListOf(queries::FindTile(connection, tile_id, version));
-  AddPast(
-      connection, version, queries::PastTiles,
-      [&](const TileRecord& tile) { return tile.tile_id == tile_id; }, &tiles);
+  AddPast(connection, version, &tiles, queries::PastTilesWithIds, std::vector{ValueOf(tile_id)});
   return FirstOf(std::move(tiles));
 }
 
 std::vector<TileRecord> TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
                                      MapVersion version) {
   queries::TilesAndLatest found = queries::TilesWithIds(connection, ids, version);
-  const auto is_wanted = [&](const TileRecord& tile) {
-    return std::binary_search(ids.begin(), ids.end(), static_cast<int64_t>(tile.tile_id.value()));
-  };
-  AddPastBefore(found.latest, connection, version, queries::PastTiles, is_wanted, &found.tiles);
+  AddPastBefore(found.latest, connection, version, &found.tiles, queries::PastTilesWithIds, ids);
   return std::move(found.tiles);
 }
 
@@ -156,18 +156,15 @@ CodebookId CurrentCodebookId(db::Connection* connection, MapVersion version) {
 
 std::vector<SessionRecord> Sessions(db::Connection* connection, MapVersion version) {
   std::vector<SessionRecord> sessions = queries::Sessions(connection, version);
-  AddPast(
-      connection, version, queries::PastSessions, [](const SessionRecord&) { return true; },
-      &sessions);
+  AddPast(connection, version, &sessions, queries::PastSessions);
   return sessions;
 }
 
 std::optional<SessionRecord> FindSession(db::Connection* connection, const std::string& name,
                                          MapVersion version) {
   std::vector<SessionRecord> sessions = ListOf(queries::FindSession(connection, name, version));
-  AddPast(
-      connection, version, queries::PastSessions,
-      [&](const SessionRecord& session) { return session.name == name; }, &sessions);
+  AddPast(connection, version, &sessions, queries::PastSessions);
+  std::erase_if(sessions, [&](const SessionRecord& session) { return session.name != name; });
   return FirstOf(std::move(sessions));
 }
 
@@ -175,19 +172,14 @@ std::vector<KeyframeRecord> KeyframesOfSession(db::Connection* connection, Sessi
                                                MapVersion version) {
   std::vector<KeyframeRecord> keyframes =
       queries::KeyframesOfSession(connection, session_id, version);
-  AddPast(
-      connection, version, queries::PastKeyframes,
-      [&](const KeyframeRecord& keyframe) { return keyframe.session_id == session_id; },
-      &keyframes);
+  AddPast(connection, version, &keyframes, queries::PastKeyframesOfSession, session_id);
   return keyframes;
 }
 
 std::vector<KeyframeRecord> KeyframesOfTile(db::Connection* connection, TileId tile_id,
                                             MapVersion version) {
   std::vector<KeyframeRecord> keyframes = queries::KeyframesOfTile(connection, tile_id, version);
-  AddPast(
-      connection, version, queries::PastKeyframes,
-      [&](const KeyframeRecord& keyframe) { return keyframe.tile_id == tile_id; }, &keyframes);
+  AddPast(connection, version, &keyframes, queries::PastKeyframesOfTile, tile_id);
   return keyframes;
 }
 

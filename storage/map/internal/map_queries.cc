@@ -86,14 +86,6 @@ constexpr std::string_view kFindSessionSql = CAIRN_SESSION_COLUMNS "WHERE name =
 
 #undef CAIRN_SESSION_COLUMNS
 
-std::vector<TileRecord> ReadTiles(db::Connection* connection, db::Statement* rows) {
-  std::vector<TileRecord> tiles;
-  while (rows->Step()) {
-    tiles.push_back(rows::ReadTile(*connection, *rows));
-  }
-  return tiles;
-}
-
 // Returns the tiles, if any, and the version of the rows of kTilesWithIdsPostgresSql.
 TilesAndLatest ReadTilesAndLatest(db::Connection* connection, db::Statement* rows) {
   TilesAndLatest found;
@@ -112,7 +104,7 @@ void AppendTiles(db::Connection* connection, double west_deg, double east_deg, d
   db::Statement found = connection->Prepare(
       connection->dialect() == db::Dialect::kSqlite ? kFindTilesSql : kFindTilesPostgresSql);
   found.Bind(west_deg, east_deg, south_deg, north_deg, Value(as_of));
-  for (TileRecord& tile : ReadTiles(connection, &found)) {
+  for (TileRecord& tile : rows::ReadTiles(*connection, &found)) {
     tiles->push_back(std::move(tile));
   }
 }
@@ -157,22 +149,25 @@ std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
 }
 
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of) {
-  db::Statement rows = connection->Prepare(kAllTilesSql);
-  rows.Bind(Value(as_of), std::max<int64_t>(limit, 0));
-  return ReadTiles(connection, &rows);
+  db::Statement found = connection->Prepare(kAllTilesSql);
+  found.Bind(Value(as_of), std::max<int64_t>(limit, 0));
+  return rows::ReadTiles(*connection, &found);
+}
+
+std::string IdList(const db::Connection& connection, const std::vector<int64_t>& ids) {
+  const bool is_file = connection.dialect() == db::Dialect::kSqlite;
+  return fmt::format("{}{}{}", is_file ? '[' : '{', fmt::join(ids, ","), is_file ? ']' : '}');
 }
 
 TilesAndLatest TilesWithIds(db::Connection* connection, const std::vector<int64_t>& ids,
                             MapVersion as_of) {
-  const std::string list = fmt::format("{}", fmt::join(ids, ","));
-  if (connection->dialect() == db::Dialect::kPostgres) {
-    db::Statement rows = connection->Prepare(kTilesWithIdsPostgresSql);
-    rows.Bind(std::string_view("{" + list + "}"), Value(as_of));
-    return ReadTilesAndLatest(connection, &rows);
+  const bool is_file = connection->dialect() == db::Dialect::kSqlite;
+  db::Statement found = connection->Prepare(is_file ? kTilesWithIdsSql : kTilesWithIdsPostgresSql);
+  found.Bind(std::string_view(IdList(*connection, ids)), Value(as_of));
+  if (!is_file) {
+    return ReadTilesAndLatest(connection, &found);
   }
-  db::Statement rows = connection->Prepare(kTilesWithIdsSql);
-  rows.Bind(std::string_view("[" + list + "]"), Value(as_of));
-  std::vector<TileRecord> tiles = ReadTiles(connection, &rows);
+  std::vector<TileRecord> tiles = rows::ReadTiles(*connection, &found);
   return {std::move(tiles), LatestVersion(connection)};
 }
 

@@ -37,6 +37,9 @@ std::vector<TileRecord> FindTiles(db::Connection* connection, const GeoBox& box,
 // Returns the first `limit` tiles by id.
 std::vector<TileRecord> AllTiles(db::Connection* connection, int64_t limit, MapVersion as_of);
 
+// The ids as a parameter of a query: the JSON or the array of which the SQL makes a table.
+std::string IdList(const db::Connection& connection, const std::vector<int64_t>& ids);
+
 struct TilesAndLatest {
   std::vector<TileRecord> tiles;
   MapVersion latest{};  // The latest version when the tiles were read, or later.

@@ -79,6 +79,14 @@ TileRecord ReadTile(const db::Connection& connection, const db::Statement& row) 
   return tile;
 }
 
+std::vector<TileRecord> ReadTiles(const db::Connection& connection, db::Statement* rows) {
+  std::vector<TileRecord> tiles;
+  while (rows->Step()) {
+    tiles.push_back(ReadTile(connection, *rows));
+  }
+  return tiles;
+}
+
 SessionRecord ReadSession(const db::Statement& row) {
   SessionRecord session;
   session.id = SessionId(row.Int64(0));

@@ -27,6 +27,8 @@ TileId ReadTileId(const db::Connection& connection, int64_t value);
 // Columns: tile_id, payload_id, codebook_id, num_landmarks, num_descriptors, num_keyframes,
 // num_bytes, min_h_m, max_h_m, landmarks_south_deg, _west_, _north_, _east_deg, digest.
 TileRecord ReadTile(const db::Connection& connection, const db::Statement& row);
+// All rows.
+std::vector<TileRecord> ReadTiles(const db::Connection& connection, db::Statement* rows);
 
 // Columns: session_id, name, source, created_at, recorded_at, content_digest, num_images,
 // num_landmarks, georef_median_residual_m.

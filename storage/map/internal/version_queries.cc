@@ -44,6 +44,16 @@ constexpr std::string_view kChangedTilesSql =
 
 constexpr std::string_view kPastTilesSql =
     CAIRN_PAST_TILE_COLUMNS "WHERE t.since <= ?1 AND t.until > ?1 ORDER BY t.tile_id";
+constexpr std::string_view kPastTilesWithIdsSql = CAIRN_PAST_TILE_COLUMNS
+    "WHERE t.tile_id IN (SELECT value FROM json_each(?2)) AND t.since <= ?1 AND t.until > ?1 "
+    "ORDER BY t.tile_id";
+constexpr std::string_view kPastTilesWithIdsPostgresSql = CAIRN_PAST_TILE_COLUMNS
+    "WHERE t.tile_id = ANY (CAST(?2 AS bigint[])) AND t.since <= ?1 AND t.until > ?1 "
+    "ORDER BY t.tile_id";
+// The plus keeps the index of `until` out, so that a page reads only its own tiles.
+constexpr std::string_view kPastTilesOfPageSql = CAIRN_PAST_TILE_COLUMNS
+    "WHERE t.tile_id > ?2 AND t.tile_id <= ?3 AND t.since <= ?1 AND +t.until > ?1 "
+    "ORDER BY t.tile_id";
 constexpr std::string_view kAllPastTilesSql = CAIRN_PAST_TILE_COLUMNS "ORDER BY t.tile_id, t.since";
 
 #undef CAIRN_PAST_TILE_COLUMNS
@@ -56,6 +66,10 @@ constexpr std::string_view kAllPastTilesSql = CAIRN_PAST_TILE_COLUMNS "ORDER BY 
 
 constexpr std::string_view kPastKeyframesSql =
     CAIRN_PAST_KEYFRAME_COLUMNS "WHERE p.since <= ?1 AND p.until > ?1 ORDER BY p.keyframe_id";
+constexpr std::string_view kPastKeyframesOfTileSql = CAIRN_PAST_KEYFRAME_COLUMNS
+    "WHERE p.tile_id = ?2 AND p.since <= ?1 AND p.until > ?1 ORDER BY p.keyframe_id";
+constexpr std::string_view kPastKeyframesOfSessionSql = CAIRN_PAST_KEYFRAME_COLUMNS
+    "WHERE p.session_id = ?2 AND p.since <= ?1 AND p.until > ?1 ORDER BY p.keyframe_id";
 constexpr std::string_view kPastKeyframeSql = CAIRN_PAST_KEYFRAME_COLUMNS
     "WHERE p.keyframe_id = ?1 AND p.until > ?2 AND p.since = "
     "(SELECT max(since) FROM cairn_past_keyframes WHERE keyframe_id = ?1 AND since <= ?2)";
@@ -131,6 +145,8 @@ std::string LoginName() {
 std::string_view LatestVersionSql() { return kLatestVersionSql; }
 std::string_view LatestVersionsSql() { return kLatestVersionsSql; }
 std::string_view ChangedTilesSql() { return kChangedTilesSql; }
+std::string_view PastTilesWithIdsSql() { return kPastTilesWithIdsSql; }
+std::string_view PastTilesOfPageSql() { return kPastTilesOfPageSql; }
 
 MapVersion LatestVersion(db::Connection* connection) {
   db::Statement row = connection->Prepare(kLatestVersionSql);
@@ -212,13 +228,25 @@ std::vector<TileChange> Diff(db::Connection* connection, MapVersion from, MapVer
 }
 
 std::vector<TileRecord> PastTiles(db::Connection* connection, MapVersion version) {
-  std::vector<TileRecord> tiles;
-  db::Statement row = connection->Prepare(kPastTilesSql);
-  row.Bind(Value(version));
-  while (row.Step()) {
-    tiles.push_back(rows::ReadTile(*connection, row));
-  }
-  return tiles;
+  db::Statement found = connection->Prepare(kPastTilesSql);
+  found.Bind(Value(version));
+  return rows::ReadTiles(*connection, &found);
+}
+
+std::vector<TileRecord> PastTilesWithIds(db::Connection* connection, MapVersion version,
+                                         const std::vector<int64_t>& ids) {
+  const bool is_file = connection->dialect() == db::Dialect::kSqlite;
+  db::Statement found =
+      connection->Prepare(is_file ? kPastTilesWithIdsSql : kPastTilesWithIdsPostgresSql);
+  found.Bind(Value(version), std::string_view(IdList(*connection, ids)));
+  return rows::ReadTiles(*connection, &found);
+}
+
+std::vector<TileRecord> PastTilesOfPage(db::Connection* connection, MapVersion version,
+                                        int64_t after, int64_t last) {
+  db::Statement found = connection->Prepare(kPastTilesOfPageSql);
+  found.Bind(Value(version), after, last);
+  return rows::ReadTiles(*connection, &found);
 }
 
 std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion version) {
@@ -238,6 +266,20 @@ std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion v
 std::vector<KeyframeRecord> PastKeyframes(db::Connection* connection, MapVersion version) {
   db::Statement row = connection->Prepare(kPastKeyframesSql);
   row.Bind(Value(version));
+  return rows::ReadKeyframes(*connection, &row);
+}
+
+std::vector<KeyframeRecord> PastKeyframesOfTile(db::Connection* connection, MapVersion version,
+                                                TileId tile_id) {
+  db::Statement row = connection->Prepare(kPastKeyframesOfTileSql);
+  row.Bind(Value(version), static_cast<int64_t>(tile_id.value()));
+  return rows::ReadKeyframes(*connection, &row);
+}
+
+std::vector<KeyframeRecord> PastKeyframesOfSession(db::Connection* connection, MapVersion version,
+                                                   SessionId session_id) {
+  db::Statement row = connection->Prepare(kPastKeyframesOfSessionSql);
+  row.Bind(Value(version), Value(session_id));
   return rows::ReadKeyframes(*connection, &row);
 }
 

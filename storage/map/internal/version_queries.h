@@ -17,6 +17,8 @@ namespace cairn::queries {
 std::string_view LatestVersionSql();
 std::string_view LatestVersionsSql();
 std::string_view ChangedTilesSql();
+std::string_view PastTilesWithIdsSql();
+std::string_view PastTilesOfPageSql();
 
 MapVersion LatestVersion(db::Connection* connection);
 // Returns the newest `limit` versions up to `as_of`, newest first.
@@ -43,10 +45,19 @@ struct PastTile {
 };
 
 // These return the rows of the past that `version` had, ordered by id. They read only rows that
-// later versions removed.
+// later versions removed. `ids` are in ascending order; ids of a page are above `after` and at most
+// `last`.
 std::vector<TileRecord> PastTiles(db::Connection* connection, MapVersion version);
+std::vector<TileRecord> PastTilesWithIds(db::Connection* connection, MapVersion version,
+                                         const std::vector<int64_t>& ids);
+std::vector<TileRecord> PastTilesOfPage(db::Connection* connection, MapVersion version,
+                                        int64_t after, int64_t last);
 std::vector<SessionRecord> PastSessions(db::Connection* connection, MapVersion version);
 std::vector<KeyframeRecord> PastKeyframes(db::Connection* connection, MapVersion version);
+std::vector<KeyframeRecord> PastKeyframesOfTile(db::Connection* connection, MapVersion version,
+                                                TileId tile_id);
+std::vector<KeyframeRecord> PastKeyframesOfSession(db::Connection* connection, MapVersion version,
+                                                   SessionId session_id);
 
 // Sorts tiles by id and drops repeated ids.
 void SortById(std::vector<TileRecord>* tiles);
