@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Kills `cairn map` (SIGKILL) at moments that are spread evenly over each command, and runs it again.
+"""Kills `cairn map` (SIGKILL) at moments that are spread evenly over each command, and runs it again. Then runs
+it on disks that are too small (for root, a tmpfs), and again on a larger one.
 
   folder    one folder becomes a map
   guessed   the same, with a focal length that nobody states
@@ -7,16 +8,18 @@
   join      a folder joins a map
   again     two folders, of which the map has one
 
-After each kill, the map is as before or as after the command, and `cairn check` is clean. The command
+After each kill, and on a full disk, the map is as before or as after the command, and `cairn check` is clean. The command
 succeeds when it is repeated with the same work folder and another number of threads, leaves the bytes of an
 undisturbed run, and no files but those of one. A session that joins may be numbered differently, because ids
-that a killed run reserved are not given out again. Prints a table; the exit code is 1 if a line is not met.
+that a killed run reserved are not given out again. A full disk ends the command with a sentence. Prints a table; the exit code is 1 if a line is not met.
 
 Example:
   tests/deploy/check_map_kills.py build/release --kills 100
 """
 
 import argparse
+import contextlib
+import copy
 import csv
 import itertools
 import os
@@ -31,6 +34,7 @@ import check_faults
 # Two walks along the same houses.
 WALKS = {"monday": range(0, 10, 2), "tuesday": range(1, 10, 2)}
 FEW_FEATURES = '{"mapping": {"sift": {"max_features": 600}}}'
+SCRATCH_BYTES = 600 * 128  # Of a photo's descriptors.
 # What each command maps, and the folders of the map that it finds; none: it makes the map.
 RECIPES = {"folder": (["monday"], []), "guessed": (["monday"], []),
            "folders": (["monday", "tuesday"], []),
@@ -108,6 +112,79 @@ def run_case(case, count):
             f"{num_same} end with the same bytes"), problems
 
 
+@contextlib.contextmanager
+def small_disk(mount, num_bytes):
+    """A disk of that size; None if it cannot be mounted."""
+    mount.mkdir(exist_ok=True)
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={num_bytes}", "tmpfs", mount], check=False,
+                      stderr=subprocess.DEVNULL).returncode != 0:
+        yield None
+        return
+    try:
+        yield mount
+    finally:
+        subprocess.run(["umount", mount], check=True)
+
+
+def with_scratch_in(commands, folder):
+    """The same commands with their temporary files in this folder."""
+    moved = copy.copy(commands)
+    moved.temporary = folder
+    moved.temporary.mkdir()
+    moved.environment = dict(commands.environment, TMPDIR=str(folder), SQLITE_TMPDIR=str(folder))
+    return moved
+
+
+def problems_of_refusal(code, errors, scratch):
+    problems = [] if code in (0, check_faults.IO_FAILURE) else [f"exit code {code}: {errors}"]
+    if code != 0 and "No space left on device" not in errors and "disk is full" not in errors:
+        problems.append(f"the error does not say that the disk is full: {errors}")
+    if any(scratch.iterdir()):
+        problems.append(f"temporary files {list(scratch.iterdir())}")
+    return problems
+
+
+def run_on_small_disks(case, num_photos, mount):
+    """(what happened, problems); None if no disk can be mounted. All files of the command are on the disk."""
+    work = case.prepare("roomy")
+    case.commands.output_of(*case.arguments(work))
+    need = sum(file.stat().st_size for file in work.rglob("*") if file.is_file()) + num_photos * SCRATCH_BYTES
+    shutil.rmtree(work)
+    problems, num_failed = [], 0
+    shares = (0.1, 0.3, 0.5, 0.7, 0.9)
+    for share in shares:
+        before = sum(file.stat().st_size for file in case.folder.rglob("*") if file.is_file())
+        with small_disk(mount, before + 65_536 + int(share * (need - before))) as disk:
+            if disk is None:
+                return None
+            commands = with_scratch_in(case.commands, disk / "tmp")
+            work = pathlib.Path(shutil.copytree(case.folder, disk / "work"))
+            code, _, errors = commands.run(*case.arguments(work))
+            num_failed += code != 0
+            problems += problems_of_refusal(code, errors, commands.temporary)
+            problems += case.problems_of_maps(work)
+            roomy = pathlib.Path(shutil.copytree(work, case.folder.parent / f"{case.name}-moved"))
+        problems += case.problems_of(roomy)
+        shutil.rmtree(roomy)
+    problems += problems_without_scratch(case, mount)
+    return f"{num_failed} of {len(shares)} refused, and 1 of 1 without room for scratch files", problems
+
+
+def problems_without_scratch(case, mount):
+    """What is wrong if only the scratch file has no room."""
+    work = case.prepare("full")
+    with small_disk(mount, SCRATCH_BYTES) as disk:
+        commands = with_scratch_in(case.commands, disk / "tmp")
+        code, _, errors = commands.run(*case.arguments(work))
+        problems = problems_of_refusal(code, errors, commands.temporary)
+        if code == 0 or f"{commands.temporary}: " not in errors or "variable TMPDIR" not in errors:
+            problems.append(f"the error does not name the folder: exit code {code}, {errors}")
+    problems += case.problems_of_maps(work)
+    problems += case.problems_of(work)
+    shutil.rmtree(work)
+    return problems
+
+
 def main():
     arguments = parse_arguments()
     is_met = True
@@ -119,12 +196,18 @@ def main():
         print("| | measured | met |\n|---|---|---|", flush=True)
         for name, count in zip(names, check_faults.shares(arguments.kills, len(names))):
             case = MapCase(commands, name, scratch, walks)
-            what, problems = run_case(case, count)
-            is_met = is_met and not problems
-            print(f"| {name}: kills over {1e3 * case.seconds:.0f} ms | {what} | "
-                  f"{'NO' if problems else 'yes'} |", flush=True)
-            for problem in problems[:3]:
-                print(f"  {name}: {problem}", file=sys.stderr, flush=True)
+            num_photos = sum(len(WALKS[walk]) for walk in RECIPES[name][0])
+            rows = {f"kills over {1e3 * case.seconds:.0f} ms": run_case(case, count),
+                    "small disks": run_on_small_disks(case, num_photos, scratch / "disk")}
+            for disturbance, result in rows.items():
+                if result is None:
+                    print("skipped: a small disk can only be mounted by root")
+                    continue
+                what, problems = result
+                is_met = is_met and not problems
+                print(f"| {name}: {disturbance} | {what} | {'NO' if problems else 'yes'} |", flush=True)
+                for problem in problems[:3]:
+                    print(f"  {name}: {problem}", file=sys.stderr, flush=True)
     return 0 if is_met else 1
 
 
