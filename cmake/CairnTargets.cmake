@@ -53,6 +53,9 @@ set(cairn_cost_of_wide_tests 2000)  # Of tests that need two processors.
 # its own.
 function(cairn_test)
   cmake_parse_arguments(ARG "ON_SERVER" "NAME;TIMEOUT" "SOURCES;DEPENDS;LONG" ${ARGN})
+  if(ARG_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "cairn_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 600)
   endif()
