@@ -28,6 +28,10 @@ class DescriptorFile : public std::enable_shared_from_this<DescriptorFile> {
                                                    Eigen::Index cols) const;
   ByteDescriptorMatrix Read(uint64_t position, Eigen::Index rows, Eigen::Index cols) const;
 
+  // For work that needs memory and no descriptors.
+  void EmptyCache() { cache_.Clear(); }
+  size_t CachedBytes() const { return cache_.Stats().bytes; }
+
  private:
   struct Loaded {
     ByteDescriptorMatrix bytes;

@@ -11,7 +11,6 @@
 #include <tuple>
 #include <utility>
 
-#include "core/descriptor_file.h"
 #include "core/error.h"
 #include "core/geoid.h"
 #include "core/images/gray_image.h"
@@ -113,15 +112,13 @@ FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor, con
 
 std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
                                 const FeatureExtractor& extractor, const ReadPhotosOptions& options,
-                                const PhotosProgress& progress) {
+                                const PhotosProgress& progress, DescriptorFile* scratch) {
   std::vector<FileResult> results(files.size());
-  const std::shared_ptr<DescriptorFile> scratch =
-      options.scratch_dir.empty() ? nullptr : DescriptorFile::Create(options.scratch_dir);
   std::mutex mutex;
   ReadShare share = {.num_photos = static_cast<int>(files.size()),
                      .has_descriptors_on_disk = scratch != nullptr};
   ParallelFor(share.num_photos, options.num_threads, [&](int i) {
-    results[i] = ReadOne(files[i], extractor, options.work, scratch.get());
+    results[i] = ReadOne(files[i], extractor, options.work, scratch);
     const std::lock_guard<std::mutex> lock(mutex);
     ++share.num_read;
     share.num_keypoints += results[i].photo ? std::ssize(results[i].photo->keypoints) : 0;
@@ -209,8 +206,11 @@ MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult re
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtractor& extractor,
                        const ReadPhotosOptions& options, const PhotosProgress& progress) {
   const std::vector<PhotoFile> files = FindPhotoFiles(paths);
-  std::vector<FileResult> results = ReadAll(files, extractor, options, progress);
   PhotoFolder folder;
+  folder.scratch =
+      options.scratch_dir.empty() ? nullptr : DescriptorFile::Create(options.scratch_dir);
+  std::vector<FileResult> results =
+      ReadAll(files, extractor, options, progress, folder.scratch.get());
   folder.set.descriptor_type = extractor.descriptor_type();
   LeaveOut(files, options.names_to_keep, &results, &folder.left_out);
   for (const MisnamedPhoto& misnamed : FindMisnamedPhotos(paths)) {

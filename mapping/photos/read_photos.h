@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "core/camera.h"
+#include "core/descriptor_file.h"
 #include "core/features/feature_extractor.h"
 #include "mapping/photo_set.h"
 #include "mapping/work_folder.h"
@@ -35,6 +37,7 @@ struct LeftOutPhoto {
 
 struct PhotoFolder {
   PhotoSet set;  // In the order of the names. Positions are those of the EXIF.
+  std::shared_ptr<DescriptorFile> scratch;  // Has the descriptors of the set; null: in memory.
   // Of each photo: how to turn its pixels upright; nothing without EXIF.
   std::vector<std::optional<int>> orientation_of_photo;
   std::vector<LeftOutPhoto> left_out;

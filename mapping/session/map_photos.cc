@@ -209,6 +209,9 @@ Growth Mapper::GrowOnce(bool is_corrected, int num_regrowths) {
     views = MatchAndCorrect();
   }
   StageClock clock("growth", &stages_);
+  if (folder_.scratch) {
+    folder_.scratch->EmptyCache();  // The growth takes the most memory.
+  }
   Report("growth", 0, std::ssize(folder_.set.photos));
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"),
                                Reporter("growth: adjustment"));

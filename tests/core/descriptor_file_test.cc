@@ -39,6 +39,23 @@ TEST(DescriptorFile, GivesBackTheDescriptorsOfMorePhotosThanItsCacheHolds) {
   }
 }
 
+TEST(DescriptorFile, BoundsAndEmptiesItsCache) {
+  const testing::TempDir dir;
+  const auto file = DescriptorFile::Create(dir.path());
+  for (uint64_t i = 0; i < 90; ++i) {
+    file->Append(RandomBytes(8000, i)).Load();
+    EXPECT_LE(file->CachedBytes(), size_t{64} << 20);
+  }
+  EXPECT_GT(file->CachedBytes(), size_t{60} << 20);
+  const ByteDescriptorMatrix bytes = RandomBytes(10, 1);
+  const StoredDescriptors kept = file->Append(bytes);
+  const auto loaded = kept.Load();
+  file->EmptyCache();
+  EXPECT_EQ(file->CachedBytes(), 0u);
+  EXPECT_TRUE(*loaded == bytes);
+  EXPECT_TRUE(*kept.Load() == bytes);
+}
+
 TEST(DescriptorFile, KeepsDescriptorsOfPhotosWithoutFeatures) {
   const testing::TempDir dir;
   const auto file = DescriptorFile::Create(dir.path());
