@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "cli/ingest_placed.h"
+#include "cli/make_descriptor_file.h"
 #include "cli/map_report.h"
 #include "cli/publish_parts.h"
-#include "cli/scratch_dir.h"
 #include "cli/session_archive.h"
 #include "cli/session_replacement.h"
 #include "core/error.h"
@@ -211,9 +211,12 @@ void Publish(const MapSessionArguments& arguments, std::optional<MapStore>* map,
     PublishInTurn(publish_one, store->Snapshot().Sessions().empty(), sessions);
     for (MapSessionResult& result : *sessions) {
       const MapSnapshot snapshot = store->Snapshot();
-      if (result.is_in_map && Value(result.report.map_version) < Value(snapshot.version()) &&
+      if (result.is_in_map && !result.mapped.unplaced.empty() &&
+          Value(result.report.map_version) < Value(snapshot.version()) &&
           HasOthersToJoin(*store, arguments, result.name)) {
+        StageClock clock("parts left out", &result.mapped.stages);
         PublishLeftOut(snapshot, publish_placed, &result);
+        clock.End(/*from_work=*/false);
       }
     }
   };
@@ -314,11 +317,12 @@ void RequireRightWayRound(const std::optional<MapStore>& map, const MapSessionAr
 // Maps one folder and places it by its positions. If there will be sessions that it may join, its
 // segments may lack a place.
 MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionInput& input,
-                           bool may_join, const IngestProgress& progress) {
+                           const std::shared_ptr<DescriptorFile>& descriptors, bool may_join,
+                           const IngestProgress& progress) {
   const CairnOptions& options = arguments.session.options;
   MapPhotosInput photos = input.photos;
   photos.num_threads = options.ingest.num_threads;
-  photos.scratch_dir = ScratchDir();
+  photos.descriptors = descriptors;
   photos.keeps_unplaced = may_join;
   MapSessionResult result;
   result.name = input.name;
@@ -331,9 +335,10 @@ MapSessionResult MapFolder(const MapSessionArguments& arguments, const SessionIn
 // As MapFolder, but what the folder's photos are to blame for is a problem of this session, and so
 // is an adjustment that fails.
 MapSessionResult TryMapFolder(const MapSessionArguments& arguments, const SessionInput& input,
+                              const std::shared_ptr<DescriptorFile>& descriptors,
                               const IngestProgress& progress) {
   try {
-    return MapFolder(arguments, input, !arguments.session.apart, progress);
+    return MapFolder(arguments, input, descriptors, !arguments.session.apart, progress);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kBadInput && error.code() != ErrorCode::kInternal) {
       throw;
@@ -351,15 +356,16 @@ std::vector<MapSessionResult> MakeSessions(const MapSessionArguments& arguments,
   // Before the long work, so that a map that cannot be written fails at once.
   std::optional<MapStore> map = OpenMapIfThere(arguments.session.map_path);
   CheckEarly(arguments, inputs, map.has_value());
+  const std::shared_ptr<DescriptorFile> descriptors = MakeDescriptorFile();
   std::vector<MapSessionResult> sessions;
   if (inputs.size() == 1) {
     const SessionInput& input = inputs.front();
-    sessions.push_back(
-        MapFolder(arguments, input, map && HasOthersToJoin(*map, arguments, input.name), progress));
+    const bool may_join = map && HasOthersToJoin(*map, arguments, input.name);
+    sessions.push_back(MapFolder(arguments, input, descriptors, may_join, progress));
   } else {
     for (const SessionInput& input : inputs) {
-      sessions.push_back(
-          TryMapFolder(arguments, input, ForSession(progress, input.name, inputs.size())));
+      sessions.push_back(TryMapFolder(arguments, input, descriptors,
+                                      ForSession(progress, input.name, inputs.size())));
     }
     SortSessions(&sessions);
   }

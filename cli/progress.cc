@@ -80,7 +80,8 @@ void Progress::UpdateStep(const std::string& step, int64_t done, int64_t total) 
     step_ = {step, std::chrono::steady_clock::now(), done, done};
   }
   step_.last_done = done;
-  if (IsTimeToWrite()) {
+  constexpr std::chrono::seconds kShort(1);
+  if (std::chrono::steady_clock::now() - step_.start >= kShort && IsTimeToWrite()) {
     Write(step_, done, total);
   }
 }

@@ -28,8 +28,8 @@ class Progress {
 
   // Cheap to call often: at most a few lines appear per second. A new `phase` begins a new line;
   // done == total completes the phase. A total of 0 means "unknown". A name that begins with that
-  // of the phase and ": " is of a step within the phase, which goes on after it; a short step shows
-  // nothing.
+  // of the phase and ": " is of a step within the phase, which goes on after it; a step of less
+  // than a second shows nothing.
   void Update(const std::string& phase, int64_t done, int64_t total);
 
  private:

@@ -77,21 +77,24 @@ void AddPlaced(const UnplacedSegment& segment, const PlacementByMap& placement,
   }
   std::erase_if(result->mapped.left_out,
                 [&](const LeftOutPhoto& photo) { return names.contains(photo.name); });
-  AddSegment(segment.segment, *placement.ecef_from_world, segment.number, segment.cameras,
-             &result->mapped, &result->session.reconstruction);
+  AddSegment(segment.segment, *placement.ecef_from_world, segment.number, &result->mapped,
+             &result->session.reconstruction);
 }
 
-// Returns the numbers of the segments that the map places, and why their positions do not.
-std::map<int, std::string> PlaceUnplaced(const MapSnapshot& map, MapSessionResult* result) {
+// Returns the numbers of the segments that the map places.
+std::set<int> PlaceUnplaced(const MapSnapshot& map, MapSessionResult* result) {
+  std::set<int> placed;
+  if (result->mapped.unplaced.empty()) {
+    return placed;
+  }
   const std::optional<SessionRecord> replaced =
       map.FindSession(result->session.options.session_name);
   const KnownTiles known(map, replaced ? replaced->id : SessionId{});
-  std::map<int, std::string> placed;
   for (const UnplacedSegment& segment : result->mapped.unplaced) {
     const PlacementByMap placement = PlaceByMap(segment.segment.model, segment.positions, known,
                                                 result->session.options.num_threads);
     if (placement.ecef_from_world) {
-      placed[segment.number] = segment.problem;
+      placed.insert(segment.number);
       AddPlaced(segment, placement, result);
       continue;
     }
@@ -102,15 +105,31 @@ std::map<int, std::string> PlaceUnplaced(const MapSnapshot& map, MapSessionResul
   return placed;
 }
 
-// Moves the segments of the model to where the map sees them; those that FitParts refuses leave it.
-// `why_by_map` is of PlaceUnplaced.
-void FitAll(const MapSnapshot& map, const std::map<int, std::string>& why_by_map,
-            MapSessionResult* result) {
-  PlacedReconstruction& session = result->session;
-  std::set<int> placed_by_map;
-  for (const auto& [number, why] : why_by_map) {
-    placed_by_map.insert(number);
+bool IsLeftOut(const MapSessionResult& result, int number) {
+  return !result.mapped.segments[static_cast<size_t>(number)].problem.empty();
+}
+
+// Reports the cameras of the segments that the map placed, and why it had to.
+void ReportPlacedByMap(const std::set<int>& placed_by_map, MapSessionResult* result) {
+  MappedPhotos& mapped = result->mapped;
+  for (const UnplacedSegment& segment : mapped.unplaced) {
+    if (!placed_by_map.contains(segment.number) || IsLeftOut(*result, segment.number)) {
+      continue;
+    }
+    mapped.cameras.insert(mapped.cameras.end(), segment.cameras.begin(), segment.cameras.end());
+    const size_t num_photos = segment.segment.model.images.size();
+    mapped.notes.push_back(
+        segment.has_place
+            ? fmt::format("the whole map anchors {} photos that it did not before", num_photos)
+            : fmt::format("the map places {} photos whose positions do not: {}", num_photos,
+                          segment.problem));
   }
+}
+
+// Moves the segments of the model to where the map sees them; those that FitParts refuses leave it.
+// `placed_by_map` is of PlaceUnplaced.
+void FitAll(const MapSnapshot& map, const std::set<int>& placed_by_map, MapSessionResult* result) {
+  PlacedReconstruction& session = result->session;
   std::vector<std::string> names;
   for (const ReconImage& image : session.reconstruction.images) {
     names.push_back(image.name);
@@ -120,17 +139,7 @@ void FitAll(const MapSnapshot& map, const std::map<int, std::string>& why_by_map
                session.georegistration.ecef_from_world, session.options, &session.reconstruction);
   ReportSegments(parts, &result->mapped.segments);
   ReportPhotos(parts, names, session.reconstruction.images, &result->mapped);
-  for (const auto& [number, why] : why_by_map) {
-    const SegmentReport& segment = result->mapped.segments[static_cast<size_t>(number)];
-    if (segment.problem.empty()) {
-      result->mapped.notes.push_back(fmt::format(
-          "the map places {} photos whose positions do not: {}", segment.num_photos, why));
-    }
-  }
-}
-
-bool IsLeftOut(const MapSessionResult& result, int number) {
-  return !result.mapped.segments[static_cast<size_t>(number)].problem.empty();
+  ReportPlacedByMap(placed_by_map, result);
 }
 
 // A segment of the model by itself.
@@ -138,6 +147,7 @@ UnplacedSegment SegmentOfModel(const MapSessionResult& result, int number) {
   const Reconstruction& model = result.session.reconstruction;
   UnplacedSegment segment;
   segment.number = number;
+  segment.has_place = true;
   std::vector<int> images;
   for (size_t i = 0; i < model.images.size(); ++i) {
     if (result.mapped.segment_of_image[i] == number) {
@@ -197,6 +207,23 @@ void Append(const Reconstruction& more, Reconstruction* model) {
   }
 }
 
+// Whether the map anchors any segment that was published.
+bool IsAnchored(const MapSnapshot& map, const MapSessionResult& published) {
+  Reconstruction model = published.session.reconstruction;
+  const Parts parts = FitParts(map, published.mapped.segment_of_image, {},
+                               published.session.georegistration.ecef_from_world,
+                               published.session.options, &model);
+  return std::ranges::any_of(parts, [](const auto& part) { return part.second.is_anchored; });
+}
+
+// Adds to what the reports of these segments say.
+void AddToProblems(const std::set<int>& numbers, const std::string& why, MappedPhotos* mapped) {
+  for (const int number : numbers) {
+    std::string& problem = mapped->segments[static_cast<size_t>(number)].problem;
+    problem += problem.empty() ? why : ". " + why;
+  }
+}
+
 // Puts the model of `published` before that of `added`, which becomes the whole session.
 void PutBefore(const MapSessionResult& published, MapSessionResult* added) {
   Reconstruction model = published.session.reconstruction;
@@ -226,9 +253,9 @@ IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
     return PublishAsPlaced(publish, *result);
   }
   MapSessionResult fitted = *result;
-  const std::map<int, std::string> why_by_map = PlaceUnplaced(map, &fitted);
-  if (!why_by_map.empty() || !IsOnePart(fitted.mapped.segment_of_image)) {
-    FitAll(map, why_by_map, &fitted);
+  const std::set<int> placed_by_map = PlaceUnplaced(map, &fitted);
+  if (!placed_by_map.empty() || !IsOnePart(fitted.mapped.segment_of_image)) {
+    FitAll(map, placed_by_map, &fitted);
   }
   fitted.mapped.unplaced = LeftOutOf(*result, fitted);
   IngestReport report = PublishAsPlaced(publish, fitted);
@@ -242,12 +269,18 @@ void PublishLeftOut(const MapSnapshot& map, const PublishPlaced& publish,
     return;
   }
   MapSessionResult added = WithoutModel(*result);
-  const std::map<int, std::string> why_by_map = PlaceUnplaced(map, &added);
-  if (!why_by_map.empty()) {
-    FitAll(map, why_by_map, &added);
+  const std::set<int> placed_by_map = PlaceUnplaced(map, &added);
+  if (!placed_by_map.empty()) {
+    FitAll(map, placed_by_map, &added);
   }
   if (added.session.reconstruction.images.empty()) {
     result->mapped.segments = added.mapped.segments;  // With what the map says of them.
+    return;
+  }
+  const std::set<int> found(added.mapped.segment_of_image.begin(),
+                            added.mapped.segment_of_image.end());
+  if (!IsAnchored(map, *result)) {
+    AddToProblems(found, "The whole map sees it, but no part that is published", &result->mapped);
     return;
   }
   PutBefore(*result, &added);
@@ -255,7 +288,9 @@ void PublishLeftOut(const MapSnapshot& map, const PublishPlaced& publish,
                 [&](const UnplacedSegment& segment) { return !IsLeftOut(added, segment.number); });
   try {
     added.report = publish(added.session);
-  } catch (const SessionRefused&) {
+  } catch (const SessionRefused& refusal) {
+    AddToProblems(found, fmt::format("With it, the session is refused: {}", refusal.what()),
+                  &result->mapped);
     return;
   }
   added.report.replaced_session = result->report.replaced_session;

@@ -78,6 +78,8 @@ function(cairn_test)
   endif()
   list(JOIN ARG_LONG "," long)
   set(suites ${CMAKE_CURRENT_BINARY_DIR}/${target}_suites.cmake)
+  set_property(TARGET ${target} APPEND PROPERTY
+    LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake)
   add_custom_command(TARGET ${target} POST_BUILD BYPRODUCTS ${suites}
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${target}> -DLONG=${long}
       -DEXCLUDED=${excluded} -DTIMEOUT_S=${ARG_TIMEOUT} -DCOST=${cairn_cost_of_long_tests}

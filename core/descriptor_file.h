@@ -28,6 +28,9 @@ class DescriptorFile : public std::enable_shared_from_this<DescriptorFile> {
                                                    Eigen::Index cols) const;
   ByteDescriptorMatrix Read(uint64_t position, Eigen::Index rows, Eigen::Index cols) const;
 
+  // As that of ScratchFile.
+  bool is_on_disk() const { return file_.is_on_disk(); }
+
   // For work that needs memory and no descriptors.
   void EmptyCache() { cache_.Clear(); }
   size_t CachedBytes() const { return cache_.Stats().bytes; }

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/magic.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -45,6 +47,11 @@ ScratchFile::ScratchFile(const std::string& folder) : folder_(folder) {
 }
 
 ScratchFile::~ScratchFile() { close(fd_); }
+
+bool ScratchFile::is_on_disk() const {
+  struct statfs info = {};
+  return fstatfs(fd_, &info) != 0 || (info.f_type != TMPFS_MAGIC && info.f_type != RAMFS_MAGIC);
+}
 
 uint64_t ScratchFile::Append(std::span<const uint8_t> bytes) {
   const uint64_t position = size_.fetch_add(bytes.size());

@@ -25,6 +25,8 @@ class ScratchFile {
   void Read(uint64_t position, std::span<uint8_t> bytes) const;
 
   uint64_t size() const { return size_; }
+  // False if the folder is a file system that keeps its files in memory.
+  bool is_on_disk() const;
 
  private:
   std::string folder_;

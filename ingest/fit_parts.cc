@@ -40,6 +40,7 @@ void Compare(const Reconstruction& part, const Sim3d& ecef_from_world, const Kno
         result->comparison, options.agreement,
         AccuracyOf(result->comparison, accuracy_m, options.georef_median_residual_m, others),
         fmt::format("a part of {} photos", result->images.size()));
+    result->is_anchored = true;
     result->moved_m = result->comparison.fit.moved_m;
   } catch (const SessionRefused& refusal) {
     result->problem = refusal.what();

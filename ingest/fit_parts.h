@@ -21,6 +21,7 @@ struct SessionPart {
   std::vector<int> images;   // Of the reconstruction that FitParts was given; ascending.
   bool needs_map = false;    // Its positions do not place it.
   std::string problem = {};  // Why the part is no longer in the reconstruction; empty if it is.
+  bool is_anchored = false;  // By the map, which does not contradict it.
   double moved_m = 0.0;      // How far it moved, at the middle of its cameras.
   MapComparison comparison = {};
 };

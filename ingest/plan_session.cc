@@ -189,10 +189,10 @@ void AdjustToMap(const Reconstruction& reconstruction, const IngestOptions& opti
     return;
   }
   const std::vector<LandmarkId> ids = LinkSession(reconstruction, *session, *plan, map, progress);
-  ReportProgress(progress, "adjustment", 0, 1);
   plan->adjustment = AdjustSession(
       reconstruction, KnownPlaces(*session, ids, map), options.num_threads, session,
       [&](int done, int most) { ReportProgress(progress, "adjustment", done, most); });
+  ReportProgress(progress, "adjustment", 1, 1);
   AssignTiles(reconstruction, session);
 }
 

@@ -6,15 +6,6 @@
 
 namespace cairn {
 
-std::optional<TileRecord> FindTile(const MapTiles& map, TileId tile_id) {
-  for (TileRecord& record : map.FindTiles(tile_id.Bounds())) {
-    if (record.tile_id == tile_id) {
-      return std::move(record);
-    }
-  }
-  return std::nullopt;
-}
-
 std::optional<SessionAccuracy> AccuracyOf(const std::set<SessionId>& sessions,
                                           const MapSnapshot& map) {
   const std::vector<SessionAccuracy> accuracies =

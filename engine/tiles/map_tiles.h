@@ -38,9 +38,6 @@ class MapTiles {
   virtual StoredTile LoadTile(const TileRecord& record) const = 0;
 };
 
-// Returns the record of one tile, or nothing if the map has none.
-std::optional<TileRecord> FindTile(const MapTiles& map, TileId tile_id);
-
 // Returns the accuracy of sessions together; empty if the map does not know it.
 std::optional<SessionAccuracy> AccuracyOf(const std::set<SessionId>& sessions,
                                           const MapSnapshot& map);

@@ -92,8 +92,8 @@ struct UpReport {
 
 struct Georegistration {
   Sim3d ecef_from_world;
-  // No positions place the session, but the answers of a map; then nothing but the accuracies is
-  // set.
+  // No positions place the session, but the answers of a map; then only `ecef_from_world`
+  // and the accuracies are set.
   bool is_by_map = false;
   UpReport up;
   int num_positions = 0;           // Positions whose image is in the reconstruction.

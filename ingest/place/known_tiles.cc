@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/error.h"
 #include "ingest/tiles/tile_edit.h"
 #include "ingest/tiles/write_tile.h"
 #include "storage/map/describe_tile.h"
@@ -24,6 +25,9 @@ KnownTiles::KnownTiles(const MapSnapshot& map, SessionId without,
     : stored_(map, std::move(memory)), without_(without) {
   if (without == SessionId{}) {
     return;
+  }
+  if (CurrentCodebook() == nullptr) {
+    throw Error(ErrorCode::kMapDamaged, "the map has a session, and no codebook");
   }
   for (const TileId tile_id : map.TilesOfSession(without)) {
     if (const std::optional<TileRecord> stored = map.FindTile(tile_id)) {

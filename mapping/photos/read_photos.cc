@@ -68,16 +68,16 @@ StoredDescriptors Keep(ByteDescriptorMatrix descriptors, DescriptorFile* file) {
   try {
     return file->Append(descriptors);
   } catch (const Error& error) {
-    throw Error(error.code(), fmt::format("{}. The features of a photo take up to half a megabyte "
-                                          "there. Name a folder on a disk with more space in the "
-                                          "environment variable TMPDIR",
-                                          error.what()));
+    throw Error(error.code(),
+                fmt::format("{}. Name a folder on a disk with more space in the environment "
+                            "variable TMPDIR",
+                            error.what()));
   }
 }
 
 // Errors of the work folder are not the photo's, and end the reading.
 FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor, const WorkFolder* work,
-                   DescriptorFile* scratch) {
+                   DescriptorFile* descriptor_file) {
   FileResult result;
   const std::optional<std::vector<uint8_t>> bytes = BytesOfFile(file.path, &result);
   if (!bytes) {
@@ -89,7 +89,7 @@ FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor, con
   if (work != nullptr) {
     if (const auto stored = work->Load(name, key)) {
       result.photo = DecodeReadPhoto(*stored, extractor.descriptor_dim(), work->PathOf(name));
-      result.descriptors = Keep(std::move(result.photo->descriptors), scratch);
+      result.descriptors = Keep(std::move(result.photo->descriptors), descriptor_file);
       result.from_work = true;
       return result;
     }
@@ -106,19 +106,20 @@ FileResult ReadOne(const PhotoFile& file, const FeatureExtractor& extractor, con
   if (work != nullptr) {
     work->Store(name, key, EncodeReadPhoto(*result.photo));
   }
-  result.descriptors = Keep(std::move(result.photo->descriptors), scratch);
+  result.descriptors = Keep(std::move(result.photo->descriptors), descriptor_file);
   return result;
 }
 
 std::vector<FileResult> ReadAll(const std::vector<PhotoFile>& files,
                                 const FeatureExtractor& extractor, const ReadPhotosOptions& options,
-                                const PhotosProgress& progress, DescriptorFile* scratch) {
+                                const PhotosProgress& progress) {
   std::vector<FileResult> results(files.size());
   std::mutex mutex;
   ReadShare share = {.num_photos = static_cast<int>(files.size()),
-                     .has_descriptors_on_disk = scratch != nullptr};
+                     .has_descriptors_on_disk =
+                         options.descriptors != nullptr && options.descriptors->is_on_disk()};
   ParallelFor(share.num_photos, options.num_threads, [&](int i) {
-    results[i] = ReadOne(files[i], extractor, options.work, scratch);
+    results[i] = ReadOne(files[i], extractor, options.work, options.descriptors.get());
     const std::lock_guard<std::mutex> lock(mutex);
     ++share.num_read;
     share.num_keypoints += results[i].photo ? std::ssize(results[i].photo->keypoints) : 0;
@@ -206,11 +207,8 @@ MappingPhoto PhotoOf(const std::string& name, int camera_idx, ReadPhotoResult re
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtractor& extractor,
                        const ReadPhotosOptions& options, const PhotosProgress& progress) {
   const std::vector<PhotoFile> files = FindPhotoFiles(paths);
+  std::vector<FileResult> results = ReadAll(files, extractor, options, progress);
   PhotoFolder folder;
-  folder.scratch =
-      options.scratch_dir.empty() ? nullptr : DescriptorFile::Create(options.scratch_dir);
-  std::vector<FileResult> results =
-      ReadAll(files, extractor, options, progress, folder.scratch.get());
   folder.set.descriptor_type = extractor.descriptor_type();
   LeaveOut(files, options.names_to_keep, &results, &folder.left_out);
   for (const MisnamedPhoto& misnamed : FindMisnamedPhotos(paths)) {

@@ -22,10 +22,9 @@ struct ReadPhotosOptions {
   std::vector<Camera> cameras = {};  // Known intrinsics; see GroupCameras.
   // Keeps features, so that a second run need not extract them; null: none. Not owned.
   const WorkFolder* work = nullptr;
-  int num_threads = 1;                           // The result does not depend on it.
-  std::optional<uint64_t> available_bytes = {};  // Of memory, for all stages of mapping.
-  // Keeps the descriptors on the disk of this folder instead of in memory. Empty: does not.
-  std::string scratch_dir = {};
+  int num_threads = 1;                               // The result does not depend on it.
+  std::optional<uint64_t> available_bytes = {};      // Of memory, for all stages of mapping.
+  std::shared_ptr<DescriptorFile> descriptors = {};  // Takes the descriptors; null: memory does.
   // Of several copies of a photo, the one of such a name is kept: those of a table of positions.
   std::set<std::string> names_to_keep = {};
 };
@@ -37,7 +36,6 @@ struct LeftOutPhoto {
 
 struct PhotoFolder {
   PhotoSet set;  // In the order of the names. Positions are those of the EXIF.
-  std::shared_ptr<DescriptorFile> scratch;  // Has the descriptors of the set; null: in memory.
   // Of each photo: how to turn its pixels upright; nothing without EXIF.
   std::vector<std::optional<int>> orientation_of_photo;
   std::vector<LeftOutPhoto> left_out;
@@ -55,7 +53,8 @@ using PhotosProgress = std::function<void(int done, int total)>;
 // are left out, each with a reason. Of copies, the one of `names_to_keep` stays, or else the one of
 // the shortest name. `progress` is called by one thread at a time. Throws as FindPhotoFiles;
 // Error(kBadInput), with reasons, if no photo can be read, or if mapping them would take more
-// memory than there is; Error(kIo) if the work folder or the scratch folder cannot be written.
+// memory than there is; Error(kIo) if the work folder or the file of the descriptors cannot be
+// written.
 PhotoFolder ReadPhotos(const std::vector<std::string>& paths, const FeatureExtractor& extractor,
                        const ReadPhotosOptions& options, const PhotosProgress& progress = {});
 

@@ -22,8 +22,7 @@ std::vector<CameraReport> ReportCameras(const Segment& segment,
 }
 
 void AddSegment(const Segment& segment, const Sim3d& ecef_from_segment, int number,
-                const std::vector<CameraReport>& cameras, MappedPhotos* mapped,
-                Reconstruction* model) {
+                MappedPhotos* mapped, Reconstruction* model) {
   const Sim3d world_from_segment = mapped->ecef_from_world.Inverse() * ecef_from_segment;
   const int first_camera = static_cast<int>(model->cameras.size());
   const int first_image = static_cast<int>(model->images.size());
@@ -46,7 +45,6 @@ void AddSegment(const Segment& segment, const Sim3d& ecef_from_segment, int numb
     }
     model->landmarks.push_back(std::move(landmark));
   }
-  mapped->cameras.insert(mapped->cameras.end(), cameras.begin(), cameras.end());
   mapped->num_mapped = static_cast<int>(model->images.size());
 }
 

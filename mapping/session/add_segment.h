@@ -17,12 +17,11 @@ namespace cairn {
 std::vector<CameraReport> ReportCameras(const Segment& segment,
                                         std::span<const MappingCamera> cameras_as_read);
 
-// Appends the segment to `model`, whose world is that of `mapped`, and reports its images and
-// `cameras` there. `number` is the segment's in MappedPhotos::segments. The model may stand apart
-// from `mapped`, as it does once it is a session.
+// Appends the segment to `model`, whose world is that of `mapped`, and reports its images there.
+// `number` is the segment's in MappedPhotos::segments. The model may stand apart from `mapped`, as
+// it does once it is a session.
 void AddSegment(const Segment& segment, const Sim3d& ecef_from_segment, int number,
-                const std::vector<CameraReport>& cameras, MappedPhotos* mapped,
-                Reconstruction* model);
+                MappedPhotos* mapped, Reconstruction* model);
 
 }  // namespace cairn
 

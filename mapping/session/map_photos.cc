@@ -102,7 +102,7 @@ void Mapper::Read() {
                         .work = work_.get(),
                         .num_threads = input_.num_threads,
                         .available_bytes = AvailableMemoryBytes(),
-                        .scratch_dir = input_.scratch_dir,
+                        .descriptors = input_.descriptors,
                         .names_to_keep = NamesInTable(input_)},
                        Reporter("photos"));
   const int num_read = static_cast<int>(folder_.set.photos.size());
@@ -209,8 +209,8 @@ Growth Mapper::GrowOnce(bool is_corrected, int num_regrowths) {
     views = MatchAndCorrect();
   }
   StageClock clock("growth", &stages_);
-  if (folder_.scratch) {
-    folder_.scratch->EmptyCache();  // The growth takes the most memory.
+  if (input_.descriptors) {
+    input_.descriptors->EmptyCache();  // The growth takes the most memory.
   }
   Report("growth", 0, std::ssize(folder_.set.photos));
   Growth growth = GrowSegments(folder_.set, views, options_.growth, Reporter("growth"),

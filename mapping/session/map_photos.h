@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,8 +48,8 @@ struct MapPhotosInput {
   std::optional<HeightReference> height;
   std::optional<double> camera_height_m;  // Of positions without a height.
   std::string work_dir;                   // Empty: nothing is kept.
-  // As ReadPhotosOptions::scratch_dir. The model, too, then has its descriptors there.
-  std::string scratch_dir;
+  // As ReadPhotosOptions::descriptors. The model, too, then has its descriptors there.
+  std::shared_ptr<DescriptorFile> descriptors;
   // Segments that their positions do not place are kept for a map to place
   // (MappedPhotos::unplaced).
   bool keeps_unplaced = false;
@@ -93,6 +94,7 @@ struct UnplacedSegment {
   std::string problem = {};  // Why it is not placed.
   std::vector<CameraReport> cameras;
   std::vector<std::optional<Geodetic>> positions;  // Of its images; heights above the ellipsoid.
+  bool has_place = false;  // Its positions place it, where a map did not anchor it.
 };
 
 struct MappedPhotos {

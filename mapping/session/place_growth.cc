@@ -97,8 +97,9 @@ void Placement::Place(const Segment& segment, int number) {
     result_.georegistration = georegistration;
   }
   TakeWorst(georegistration, &result_.georegistration);
-  AddSegment(placed.segment, georegistration.ecef_from_world, number,
-             ReportCameras(placed.segment, cameras_as_read_), &result_, &result_.model);
+  AddSegment(placed.segment, georegistration.ecef_from_world, number, &result_, &result_.model);
+  std::ranges::move(ReportCameras(placed.segment, cameras_as_read_),
+                    std::back_inserter(result_.cameras));
   std::ranges::move(NotesOnOutliers(georegistration), std::back_inserter(result_.notes));
   result_.segments.push_back({.num_photos = static_cast<int>(segment.photo_of_image.size()),
                               .georegistration = georegistration,

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/make_descriptor_file.h"
 #include "cli/run_cairn.h"
-#include "cli/scratch_dir.h"
 #include "core/error.h"
 #include "support/expect_error.h"
 #include "support/temp_dir.h"
@@ -145,9 +145,13 @@ TEST_F(MapVerb, NamesAFolderForScratchFilesThatIsNotThere) {
   const char* before = std::getenv("TMPDIR");
   const std::string folder = before == nullptr ? "" : before;
   setenv("TMPDIR", dir_.File("none").c_str(), 1);
-  ExpectError([] { ScratchDir(); }, ErrorCode::kIo, "environment variable TMPDIR");
-  setenv("TMPDIR", dir_.File("").c_str(), 1);
-  EXPECT_EQ(ScratchDir(), dir_.File(""));
+  ExpectError([] { MakeDescriptorFile(); }, ErrorCode::kIo,
+              "none: a scratch file cannot be made: No such file or directory. Name another folder "
+              "in the environment variable TMPDIR");
+  for (const std::string& usable : {dir_.File(""), std::string()}) {
+    setenv("TMPDIR", usable.c_str(), 1);
+    EXPECT_NE(MakeDescriptorFile(), nullptr);
+  }
   before == nullptr ? unsetenv("TMPDIR") : setenv("TMPDIR", folder.c_str(), 1);
 }
 

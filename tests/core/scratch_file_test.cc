@@ -1,6 +1,8 @@
 #include "core/scratch_file.h"
 
 #include <gtest/gtest.h>
+#include <linux/magic.h>
+#include <sys/vfs.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -38,6 +40,14 @@ TEST(ScratchFile, HasNoName) {
   ScratchFile file(dir.path());
   file.Append(BytesOf(1, 10));
   EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
+}
+
+TEST(ScratchFile, KnowsFoldersThatLieInMemory) {
+  struct statfs info = {};
+  if (statfs("/dev/shm", &info) != 0 || info.f_type != TMPFS_MAGIC) {
+    GTEST_SKIP() << "/dev/shm is no file system in memory";
+  }
+  EXPECT_FALSE(ScratchFile("/dev/shm").is_on_disk());
 }
 
 TEST(ScratchFile, NamesTheFolderInErrors) {

@@ -34,11 +34,20 @@ class KnownTilesTest : public ::testing::Test {
   const SessionId second_ = snapshot_.FindSession("street 1")->id;
 };
 
+std::optional<TileRecord> RecordOf(TileId tile_id, const MapTiles& map) {
+  for (const TileRecord& record : map.FindTiles(tile_id.Bounds())) {
+    if (record.tile_id == tile_id) {
+      return record;
+    }
+  }
+  return std::nullopt;
+}
+
 TEST_F(KnownTilesTest, LackTheReplacedSession) {
   const KnownTiles known(snapshot_, second_);
   ASSERT_FALSE(stored_.empty());
   for (const TileRecord& stored : stored_) {
-    const std::optional<TileRecord> record = FindTile(known, stored.tile_id);
+    const std::optional<TileRecord> record = RecordOf(stored.tile_id, known);
     ASSERT_TRUE(record);
     EXPECT_EQ(2 * record->num_keyframes, stored.num_keyframes);
     const auto decoded = known.LoadTile(*record).decoded;
@@ -52,7 +61,7 @@ TEST_F(KnownTilesTest, LackTheReplacedSession) {
 TEST_F(KnownTilesTest, WithoutAReplacedSessionAreThoseOfTheMap) {
   const KnownTiles known(snapshot_);
   for (const TileRecord& stored : stored_) {
-    EXPECT_EQ(FindTile(known, stored.tile_id)->digest, stored.digest);
+    EXPECT_EQ(RecordOf(stored.tile_id, known)->digest, stored.digest);
     EXPECT_TRUE(testing::SameTile(known.LoadTile(stored).decoded->tile,
                                   DecodeTile(snapshot_.LoadPayload(stored.payload_id))));
     EXPECT_EQ(known.Find(stored.tile_id)->num_landmarks(),

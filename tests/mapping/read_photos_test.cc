@@ -180,9 +180,9 @@ TEST(ReadPhotos, KeepsTheSameDescriptorsOnDisk) {
   const WorkFolder work(dir.path() / "w");
   const PhotoFolder in_memory = ReadPhotos({dir.path() / "photos"}, SiftExtractor(), {});
   for (const int num_from_work : {0, 6}) {
-    const PhotoFolder on_disk =
-        ReadPhotos({dir.path() / "photos"}, SiftExtractor(),
-                   {.work = &work, .num_threads = 3, .scratch_dir = dir.path()});
+    const PhotoFolder on_disk = ReadPhotos(
+        {dir.path() / "photos"}, SiftExtractor(),
+        {.work = &work, .num_threads = 3, .descriptors = DescriptorFile::Create(dir.path())});
     EXPECT_EQ(on_disk.num_from_work, num_from_work);
     EXPECT_EQ(on_disk.digest, in_memory.digest);
     for (size_t i = 0; i < 6; ++i) {
@@ -197,7 +197,7 @@ TEST(ReadPhotos, SaysWhatToDoIfTheDiskIsFull) {
   Write(dir.path() / "a.pgm", Picture(1));
   const testing::FileSizeLimit limit(1000);
   try {
-    ReadPhotos({dir.path()}, SiftExtractor(), {.scratch_dir = dir.path()});
+    ReadPhotos({dir.path()}, SiftExtractor(), {.descriptors = DescriptorFile::Create(dir.path())});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kIo);
@@ -229,9 +229,10 @@ TEST(ReadPhotos, RefusesMorePhotosThanTheMemoryTakes) {
           << error.what();
     }
   };
+  const auto file = DescriptorFile::Create(dir.path());
   for (const int num_threads : {1, 3}) {
     expect_limit(660, {.num_threads = num_threads});
-    expect_limit(532, {.num_threads = num_threads, .scratch_dir = dir.path()});
+    expect_limit(file->is_on_disk() ? 532 : 660, {.num_threads = num_threads, .descriptors = file});
   }
 }
 
