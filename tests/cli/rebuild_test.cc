@@ -207,7 +207,7 @@ TEST_F(Rebuild, AnArchiveBelongsToOneMap) {
   ExpectFails(IngestOf("monday", other, {"--archive", archive_}), 4, "a folder of its own");
   EXPECT_EQ(Run({"sql", other, "--format", "csv", "SELECT count(*) AS n FROM cairn_sessions"}),
             "n\r\n0\r\n");
-  ExpectFails(IngestOf("monday", other, {"--archive", dir_.File("none")}), 4, "mkdir");
+  ExpectFails(IngestOf("monday", other, {"--archive", dir_.File("none/below")}), 4, "mkdir");
 }
 
 }  // namespace
