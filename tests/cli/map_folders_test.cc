@@ -276,6 +276,29 @@ TEST_F(MapFolders, GetPartsThatALaterFolderShows) {
   EXPECT_EQ(std::distance(begin(files), end(files)), 2);
 }
 
+// As above, but the walk of the first session shows another wall, which no other session shows.
+TEST_F(MapFolders, DoNotGetPartsThatWouldTurnAWalkOverNewGround) {
+  constexpr double kEastM = 100.0;
+  testing::WriteFolder(PhotoScene(9, 1.5, kEastM), testing::Walk(20, kEastM),
+                       dir_.path() / "saturday");
+  std::vector<Shot> corner = Corner();
+  for (Shot& shot : corner) {
+    shot.name = "corner_" + shot.name;
+  }
+  testing::WriteFolder(PhotoScene(7), corner, dir_.path() / "saturday");
+  testing::WriteFolder(PhotoScene(7), testing::Walk(17), dir_.path() / "sunday");
+  const std::vector<MapSessionResult> sessions = Map({"sunday", "saturday"});
+  ASSERT_EQ(sessions.size(), 2u);
+  ASSERT_EQ(sessions[0].name, "saturday");
+  ASSERT_TRUE(sessions[1].is_in_map) << sessions[1].problem;
+  EXPECT_EQ(sessions[0].mapped.num_mapped, 20);
+  EXPECT_EQ(sessions[0].mapped.left_out.size(), 6u);
+  ASSERT_EQ(sessions[0].mapped.segments.size(), 2u);
+  EXPECT_THAT(sessions[0].mapped.segments[1].problem,
+              HasSubstr("The whole map sees it, but no part that is published"));
+  EXPECT_EQ(CentersIn("town.gpkg").size(), 37u);
+}
+
 TEST_F(MapFolders, WhosePositionsDoNotTellTheirScaleAreNotPlacedWhereTheMapShowsAnotherWall) {
   Map({"tuesday"});
   testing::WriteFolder(PhotoScene(8), Corner(), dir_.path() / "elsewhere");
