@@ -191,22 +191,6 @@ MapSessionResult WithoutModel(const MapSessionResult& result) {
   return empty;
 }
 
-void Append(const Reconstruction& more, Reconstruction* model) {
-  const int first_camera = static_cast<int>(model->cameras.size());
-  const int first_image = static_cast<int>(model->images.size());
-  model->cameras.insert(model->cameras.end(), more.cameras.begin(), more.cameras.end());
-  for (ReconImage image : more.images) {
-    image.camera_idx += first_camera;
-    model->images.push_back(std::move(image));
-  }
-  for (ReconLandmark landmark : more.landmarks) {
-    for (ReconObservation& seen : landmark.observations) {
-      seen.image_idx += first_image;
-    }
-    model->landmarks.push_back(std::move(landmark));
-  }
-}
-
 // Whether the map anchors any segment that was published.
 bool IsAnchored(const MapSnapshot& map, const MapSessionResult& published) {
   Reconstruction model = published.session.reconstruction;
@@ -227,7 +211,7 @@ void AddToProblems(const std::set<int>& numbers, const std::string& why, MappedP
 // Puts the model of `published` before that of `added`, which becomes the whole session.
 void PutBefore(const MapSessionResult& published, MapSessionResult* added) {
   Reconstruction model = published.session.reconstruction;
-  Append(added->session.reconstruction, &model);
+  AppendModel(std::move(added->session.reconstruction), &model);
   added->session.reconstruction = std::move(model);
   MappedPhotos& mapped = added->mapped;
   const auto put_before = [](const std::vector<int>& first, std::vector<int>* all) {

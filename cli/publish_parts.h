@@ -28,11 +28,11 @@ IngestReport PublishParts(const MapSnapshot& map, const PublishPlaced& publish,
                           MapSessionResult* result);
 
 // Tries the segments that a published session lacks (MappedPhotos::unplaced) once more, as
-// PublishParts does, with a map that has got more since. If the map places any and
-// also anchors a segment that is published, publishes the session again with them; its other
-// segments go in as they did before. A few photos that the map places thus never turn a walk over
-// new ground. If the map refuses the whole, or places none, the session stays as it is, and the
-// reports say why. Throws what `publish` throws, other than SessionRefused.
+// PublishParts does, with a map that has got more since. If the map places any and also anchors a
+// segment that is published, publishes the session again with them; its other segments go in as
+// they did before. A few photos that the map places thus never turn a walk over new ground. If the
+// map refuses the session with them, or places none, the session stays as it is, and the reports
+// say why. Throws what `publish` throws, other than SessionRefused.
 void PublishLeftOut(const MapSnapshot& map, const PublishPlaced& publish, MapSessionResult* result);
 
 }  // namespace cairn

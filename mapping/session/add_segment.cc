@@ -21,30 +21,38 @@ std::vector<CameraReport> ReportCameras(const Segment& segment,
   return reports;
 }
 
-void AddSegment(const Segment& segment, const Sim3d& ecef_from_segment, int number,
-                MappedPhotos* mapped, Reconstruction* model) {
-  const Sim3d world_from_segment = mapped->ecef_from_world.Inverse() * ecef_from_segment;
+void AppendModel(Reconstruction more, Reconstruction* model) {
   const int first_camera = static_cast<int>(model->cameras.size());
   const int first_image = static_cast<int>(model->images.size());
-  const Reconstruction& part = segment.model;
-  model->cameras.insert(model->cameras.end(), part.cameras.begin(), part.cameras.end());
-  for (size_t i = 0; i < part.images.size(); ++i) {
-    ReconImage image = part.images[i];
+  model->cameras.insert(model->cameras.end(), more.cameras.begin(), more.cameras.end());
+  for (ReconImage& image : more.images) {
     image.camera_idx += first_camera;
-    image.cam_from_world = CamFromTarget(image.cam_from_world, world_from_segment);
-    const int photo = segment.photo_of_image[i];
-    mapped->center_of_photo[photo] = image.cam_from_world.Inverse().translation;
-    mapped->photo_of_image.push_back(photo);
-    mapped->segment_of_image.push_back(number);
     model->images.push_back(std::move(image));
   }
-  for (ReconLandmark landmark : part.landmarks) {
-    landmark.x_in_world = world_from_segment * landmark.x_in_world;
+  for (ReconLandmark& landmark : more.landmarks) {
     for (ReconObservation& seen : landmark.observations) {
       seen.image_idx += first_image;
     }
     model->landmarks.push_back(std::move(landmark));
   }
+}
+
+void AddSegment(const Segment& segment, const Sim3d& ecef_from_segment, int number,
+                MappedPhotos* mapped, Reconstruction* model) {
+  const Sim3d world_from_segment = mapped->ecef_from_world.Inverse() * ecef_from_segment;
+  Reconstruction part = segment.model;
+  for (size_t i = 0; i < part.images.size(); ++i) {
+    ReconImage& image = part.images[i];
+    image.cam_from_world = CamFromTarget(image.cam_from_world, world_from_segment);
+    const int photo = segment.photo_of_image[i];
+    mapped->center_of_photo[photo] = image.cam_from_world.Inverse().translation;
+    mapped->photo_of_image.push_back(photo);
+    mapped->segment_of_image.push_back(number);
+  }
+  for (ReconLandmark& landmark : part.landmarks) {
+    landmark.x_in_world = world_from_segment * landmark.x_in_world;
+  }
+  AppendModel(std::move(part), model);
   mapped->num_mapped = static_cast<int>(model->images.size());
 }
 

@@ -17,6 +17,9 @@ namespace cairn {
 std::vector<CameraReport> ReportCameras(const Segment& segment,
                                         std::span<const MappingCamera> cameras_as_read);
 
+// Appends cameras, images and landmarks of the same world to `model`.
+void AppendModel(Reconstruction more, Reconstruction* model);
+
 // Appends the segment to `model`, whose world is that of `mapped`, and reports its images there.
 // `number` is the segment's in MappedPhotos::segments. The model may stand apart from `mapped`, as
 // it does once it is a session.
