@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace cairn {
 namespace {
@@ -34,7 +35,7 @@ std::string Bar(int64_t done, int64_t total) {
 
 }  // namespace
 
-Progress::Progress(ProgressMode mode) : mode_(mode) {
+Progress::Progress(ProgressMode mode, Clock clock) : mode_(mode), clock_(std::move(clock)) {
   if (mode_ == ProgressMode::kAuto) {
     mode_ = isatty(STDERR_FILENO) == 1 ? ProgressMode::kBar : ProgressMode::kPlain;
   }
@@ -46,9 +47,7 @@ bool Progress::IsStep(const std::string& phase) const {
   return !phase_.name.empty() && phase.starts_with(phase_.name + ": ");
 }
 
-bool Progress::IsTimeToWrite() const {
-  return std::chrono::steady_clock::now() - last_output_ >= MinInterval(mode_);
-}
+bool Progress::IsTimeToWrite() const { return clock_() - last_output_ >= MinInterval(mode_); }
 
 void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
   if (IsStep(phase)) {
@@ -63,7 +62,7 @@ void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
   step_ = {};
   if (new_phase) {
     EndLine();
-    phase_ = {phase, std::chrono::steady_clock::now(), done, done};
+    phase_ = {phase, clock_(), done, done};
     phase_complete_ = false;
   }
   if (new_phase || complete || IsTimeToWrite()) {
@@ -77,18 +76,18 @@ void Progress::Update(const std::string& phase, int64_t done, int64_t total) {
 
 void Progress::UpdateStep(const std::string& step, int64_t done, int64_t total) {
   if (step != step_.name || done < step_.last_done) {
-    step_ = {step, std::chrono::steady_clock::now(), done, done};
+    step_ = {step, clock_(), done, done};
   }
   step_.last_done = done;
   constexpr std::chrono::seconds kShort(1);
-  if (std::chrono::steady_clock::now() - step_.start >= kShort && IsTimeToWrite()) {
+  if (clock_() - step_.start >= kShort && IsTimeToWrite()) {
     Write(step_, done, total);
   }
 }
 
-std::optional<double> Progress::SecondsLeft(const Count& count, int64_t done, int64_t total) {
+std::optional<double> Progress::SecondsLeft(const Count& count, int64_t done, int64_t total) const {
   constexpr double kLeastSeconds = 10.0;
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - count.start;
+  const std::chrono::duration<double> taken = clock_() - count.start;
   if (done <= count.start_done || done >= total || taken.count() < kLeastSeconds) {
     return std::nullopt;
   }
@@ -97,7 +96,7 @@ std::optional<double> Progress::SecondsLeft(const Count& count, int64_t done, in
 }
 
 void Progress::Write(const Count& count, int64_t done, int64_t total) {
-  last_output_ = std::chrono::steady_clock::now();
+  last_output_ = clock_();
   const std::optional<double> left_s = SecondsLeft(count, done, total);
   switch (mode_) {
     case ProgressMode::kAuto:

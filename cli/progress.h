@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -21,7 +22,9 @@ enum class ProgressMode {
 // Shows one phase at a time. Use from one thread.
 class Progress {
  public:
-  explicit Progress(ProgressMode mode);
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
+  explicit Progress(ProgressMode mode, Clock clock = std::chrono::steady_clock::now);
   ~Progress();  // Ends the bar's line.
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -46,10 +49,11 @@ class Progress {
   bool IsTimeToWrite() const;
   void Write(const Count& count, int64_t done, int64_t total);
   // Empty while ten seconds do not tell it.
-  static std::optional<double> SecondsLeft(const Count& count, int64_t done, int64_t total);
+  std::optional<double> SecondsLeft(const Count& count, int64_t done, int64_t total) const;
   void EndLine();
 
   ProgressMode mode_;
+  const Clock clock_;
   Count phase_, step_;
   bool line_open_ = false;
   bool phase_complete_ = false;
