@@ -1,7 +1,6 @@
 #include "ingest/anchor/consistent_frames.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -10,6 +9,7 @@
 
 #include "core/radius68.h"
 #include "core/statistics.h"
+#include "ingest/anchor/bits.h"
 
 namespace cairn {
 namespace {
@@ -40,9 +40,11 @@ std::vector<Frame> FramesOf(const std::vector<PosePair>& pairs, const Consistenc
   return frames;
 }
 
-bool AreNear(const Frame& a, const Frame& b) {
-  return (a.ecef_from_cam.translation - b.ecef_from_cam.translation).norm() <= kWindowM;
+double DistanceM(const Frame& a, const Frame& b) {
+  return (a.ecef_from_cam.translation - b.ecef_from_cam.translation).norm();
 }
+
+bool AreNear(const Frame& a, const Frame& b) { return DistanceM(a, b) <= kWindowM; }
 
 // The squared difference of b's position as a sees it, in standard deviations, if the session is
 // `scale` times as large.
@@ -68,40 +70,12 @@ bool AreConsistent(const Frame& a, const Frame& b, const ConsistencyOptions& opt
   const double turned_rad =
       RotationAngleRad(a.ecef_from_cam.rotation.conjugate() * b.ecef_from_cam.rotation,
                        a.in_map.rotation.conjugate() * b.in_map.rotation);
-  const double chi_sq = turned_rad * turned_rad / (a.var_rad2 + b.var_rad2);
-  return chi_sq <= options.max_chi_sq && chi_sq + std::min(PositionChiSq(a, b, options, scale),
-                                                           PositionChiSq(b, a, options, scale)) <=
-                                             options.max_chi_sq;
+  const double drift_rad = options.drift_share * std::min(1.0, DistanceM(a, b) / kWindowM);
+  const double chi_sq =
+      turned_rad * turned_rad / (a.var_rad2 + b.var_rad2 + drift_rad * drift_rad) +
+      std::min(PositionChiSq(a, b, options, scale), PositionChiSq(b, a, options, scale));
+  return chi_sq <= options.max_chi_sq;
 }
-
-// A set of frames, a bit each.
-class Bits {
- public:
-  explicit Bits(size_t size) : words_((size + 63) / 64, 0) {}
-  void Set(size_t i) { words_[i / 64] |= uint64_t{1} << (i % 64); }
-  void Clear(size_t i) { words_[i / 64] &= ~(uint64_t{1} << (i % 64)); }
-  bool Has(size_t i) const { return (words_[i / 64] >> (i % 64) & 1) != 0; }
-  void Add(const Bits& other) {
-    for (size_t w = 0; w < words_.size(); ++w) {
-      words_[w] |= other.words_[w];
-    }
-  }
-  void Remove(const Bits& other) {
-    for (size_t w = 0; w < words_.size(); ++w) {
-      words_[w] &= ~other.words_[w];
-    }
-  }
-  int CountShared(const Bits& other) const {
-    int count = 0;
-    for (size_t w = 0; w < words_.size(); ++w) {
-      count += std::popcount(words_[w] & other.words_[w]);
-    }
-    return count;
-  }
-
- private:
-  std::vector<uint64_t> words_;
-};
 
 int PlacesAmong(std::span<const Eigen::Vector3d> centers, int limit) {
   std::vector<Eigen::Vector3d> places;
@@ -245,8 +219,7 @@ double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set)
   std::vector<double> scales;
   for (const size_t i : set) {
     for (const size_t j : set) {
-      const double by_session_m =
-          (frames[i].ecef_from_cam.translation - frames[j].ecef_from_cam.translation).norm();
+      const double by_session_m = DistanceM(frames[i], frames[j]);
       if (i < j && by_session_m >= least_m && by_session_m > 0.0) {
         scales.push_back((frames[i].in_map.translation - frames[j].in_map.translation).norm() /
                          by_session_m);
@@ -303,8 +276,8 @@ class ChainSearch {
 
  private:
   std::vector<size_t> TakeChain() {
-    const std::vector<size_t> chain = LargestChain(frames_, left_, relations_);
-    std::vector<size_t> followers = FollowersOf(chain, left_, relations_);
+    std::vector<size_t> followers =
+        FollowersOf(LargestChain(frames_, left_, relations_), left_, relations_);
     for (const size_t i : followers) {
       left_.Clear(i);
     }

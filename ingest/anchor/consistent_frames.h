@@ -14,9 +14,10 @@ struct ConsistencyOptions {
   // session leaves between neighboring photos.
   double position_sigma_m = 0.1;
   double rotation_sigma_rad = 0.005;
-  // Standard deviation of the drift of a session between two photos, by their distance: twice that
-  // of good odometry.
-  double drift_share = 0.005;
+  // Standard deviation of the drift of a session between two photos, by their distance: four times
+  // that of good odometry. A session that bends by this much for each meter turns by as many
+  // radians: between neighbors by nothing, between photos 60 m apart by all of it.
+  double drift_share = 0.01;
   // Relative standard deviation of the session's size. GPS receivers of phones tell the size of a
   // street to 3 %.
   double scale_sigma = 0.03;

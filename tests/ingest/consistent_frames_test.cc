@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "core/angles.h"
 #include "ingest/anchor/bending.h"
 
 namespace cairn {
@@ -117,6 +118,31 @@ int CountAnchored(const std::function<void(Walk*)>& spoil) {
 TEST(ConsistentFrames, AgreeWhereTheSessionDriftsAndIsTurned) {
   EXPECT_EQ(CountAnchored([](Walk*) {}), kNumSeeds);
   EXPECT_GE(FindConsistentFrames(WalkOf(1).pairs, {}).winner.num_frames, kNumFrames - 3);
+}
+
+// Bends the session as models bend that were adjusted: what lies on a bend is turned with it.
+void Bend(double amplitude_m, Walk* walk) {
+  const double radians_per_m = 2.0 * kPi / 120.0;
+  const double phase_rad = walk->Uniform(0, 2.0 * kPi);
+  for (PosePair& pair : walk->pairs) {
+    const Rigid3d ecef_from_cam = pair.cam_from_ecef.Inverse();
+    const double at_rad = radians_per_m * ecef_from_cam.translation.x() + phase_rad;
+    const Eigen::Vector3d turn(0, 0, amplitude_m * radians_per_m * std::cos(at_rad));
+    const Eigen::Vector3d shift(0, amplitude_m * std::sin(at_rad), 0);
+    pair.cam_from_ecef =
+        Rigid3d(ExpSo3(turn) * ecef_from_cam.rotation, ecef_from_cam.translation + shift).Inverse();
+  }
+}
+
+TEST(ConsistentFrames, AgreeWhereTheSessionBendsAndTurns) {
+  constexpr int kFewFrames = 30;  // 100 m.
+  int num_anchored = 0;
+  for (int seed = 0; seed < kNumSeeds; ++seed) {
+    Walk walk = WalkOf(seed, kFewFrames);
+    Bend(0.6, &walk);
+    num_anchored += Judge(walk).is_anchored ? 1 : 0;
+  }
+  EXPECT_EQ(num_anchored, kNumSeeds);
 }
 
 TEST(ConsistentFrames, OutweighHalfWrongAnswers) {
