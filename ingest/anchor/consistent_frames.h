@@ -15,8 +15,8 @@ struct ConsistencyOptions {
   double position_sigma_m = 0.1;
   double rotation_sigma_rad = 0.005;
   // Standard deviation of the drift of a session between two photos, by their distance: four times
-  // that of good odometry. A session that bends by this much for each meter turns by as many
-  // radians: between neighbors by nothing, between photos 60 m apart by all of it.
+  // that of good odometry. Rotations drift with positions: by as many radians between photos 60 m
+  // apart or more, by less between nearer ones.
   double drift_share = 0.01;
   // Relative standard deviation of the session's size. GPS receivers of phones tell the size of a
   // street to 3 %.

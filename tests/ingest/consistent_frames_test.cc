@@ -120,7 +120,8 @@ TEST(ConsistentFrames, AgreeWhereTheSessionDriftsAndIsTurned) {
   EXPECT_GE(FindConsistentFrames(WalkOf(1).pairs, {}).winner.num_frames, kNumFrames - 3);
 }
 
-// Bends the session as models bend that were adjusted: what lies on a bend is turned with it.
+// Bends the session to and fro in waves of 120 m. What lies on a bend is turned with it, as in a
+// model that was adjusted.
 void Bend(double amplitude_m, Walk* walk) {
   const double radians_per_m = 2.0 * kPi / 120.0;
   const double phase_rad = walk->Uniform(0, 2.0 * kPi);
