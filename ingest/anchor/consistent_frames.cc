@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -70,7 +71,7 @@ bool AreConsistent(const Frame& a, const Frame& b, const ConsistencyOptions& opt
   const double turned_rad =
       RotationAngleRad(a.ecef_from_cam.rotation.conjugate() * b.ecef_from_cam.rotation,
                        a.in_map.rotation.conjugate() * b.in_map.rotation);
-  const double drift_rad = options.drift_share * std::min(1.0, DistanceM(a, b) / kWindowM);
+  const double drift_rad = options.drift_rad * std::min(1.0, DistanceM(a, b) / kWindowM);
   const double chi_sq =
       turned_rad * turned_rad / (a.var_rad2 + b.var_rad2 + drift_rad * drift_rad) +
       std::min(PositionChiSq(a, b, options, scale), PositionChiSq(b, a, options, scale));
@@ -213,14 +214,16 @@ bool IsNearAny(const Frame& frame, const std::vector<Frame>& frames,
   return std::any_of(set.begin(), set.end(), [&](size_t i) { return AreNear(frame, frames[i]); });
 }
 
-// The size of the session by the map, by the frames of a set over half of its extent.
-double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set) {
-  const double least_m = 0.5 * Weigh(frames, set).extent_m;
+// The size of the session by the map, by pairs of frames of a set that are at most `most_m` and at
+// least half of that, or of the extent of the set, apart.
+double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set,
+               double most_m = std::numeric_limits<double>::infinity()) {
+  const double least_m = 0.5 * std::min(most_m, Weigh(frames, set).extent_m);
   std::vector<double> scales;
   for (const size_t i : set) {
     for (const size_t j : set) {
       const double by_session_m = DistanceM(frames[i], frames[j]);
-      if (i < j && by_session_m >= least_m && by_session_m > 0.0) {
+      if (i < j && by_session_m >= least_m && by_session_m <= most_m && by_session_m > 0.0) {
         scales.push_back((frames[i].in_map.translation - frames[j].in_map.translation).norm() /
                          by_session_m);
       }
@@ -229,14 +232,18 @@ double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set)
   return scales.empty() ? 1.0 : Median(std::move(scales));
 }
 
+// How well frames over this extent tell the size of the session.
+double ScaleSigma(const ConsistencyOptions& options, double extent_m) {
+  return std::min(options.scale_sigma,
+                  options.drift_share + options.position_sigma_m / std::max(1.0, extent_m));
+}
+
 // Whether most pairs of a frame of the island and one of the winner are consistent. The winner
 // tells the size of the session.
 bool IsIslandOf(const std::vector<Frame>& frames, const std::vector<size_t>& island,
                 const std::vector<size_t>& winner, ConsistencyOptions options) {
   const double scale = ScaleBy(frames, winner);
-  options.scale_sigma = std::min(
-      options.scale_sigma, options.drift_share + options.position_sigma_m /
-                                                     std::max(1.0, Weigh(frames, winner).extent_m));
+  options.scale_sigma = ScaleSigma(options, Weigh(frames, winner).extent_m);
   int64_t num_consistent = 0;
   for (const size_t i : island) {
     for (const size_t j : winner) {
@@ -317,6 +324,23 @@ class ChainSearch {
   ConsistentFrames result_;
 };
 
+// The frames that agree if each pair may have a size of its own.
+ConsistentFrames SearchInAnySize(const std::vector<PosePair>& pairs,
+                                 const std::vector<Frame>& frames,
+                                 const ConsistencyOptions& options) {
+  ConsistentFrames result = ChainSearch(frames, options).Run();
+  if (2 * result.winner.num_frames < static_cast<int>(pairs.size())) {
+    std::vector<size_t> all(frames.size());
+    std::iota(all.begin(), all.end(), 0);
+    const std::vector<Frame> resized = FramesOf(pairs, options, ScaleBy(frames, all));
+    ConsistentFrames other = ChainSearch(resized, options).Run();
+    if (other.winner.num_places > result.winner.num_places) {
+      result = std::move(other);
+    }
+  }
+  return result;
+}
+
 std::vector<Eigen::Vector3d> CentersOf(const std::vector<Rigid3d>& cam_from_ecef) {
   std::vector<Eigen::Vector3d> centers;
   for (const Rigid3d& pose : cam_from_ecef) {
@@ -333,17 +357,18 @@ ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
     return {};
   }
   const std::vector<Frame> frames = FramesOf(pairs, options, 1.0);
-  ConsistentFrames result = ChainSearch(frames, options).Run();
-  if (2 * result.winner.num_frames < static_cast<int>(pairs.size())) {
-    std::vector<size_t> all(frames.size());
-    std::iota(all.begin(), all.end(), 0);
-    const std::vector<Frame> resized = FramesOf(pairs, options, ScaleBy(frames, all));
-    ConsistentFrames other = ChainSearch(resized, options).Run();
-    if (other.winner.num_places > result.winner.num_places) {
-      result = std::move(other);
+  const std::vector<bool> agrees = SearchInAnySize(pairs, frames, options).agrees;
+  std::vector<size_t> agreeing;
+  for (size_t i = 0; i < agrees.size(); ++i) {
+    if (agrees[i]) {
+      agreeing.push_back(i);
     }
   }
-  return result;
+  // A size for each pair would excuse runs that are moved along the way.
+  ConsistencyOptions sized = options;
+  sized.scale_sigma = ScaleSigma(options, std::min(kWindowM, Weigh(frames, agreeing).extent_m));
+  const std::vector<Frame> resized = FramesOf(pairs, sized, ScaleBy(frames, agreeing, kWindowM));
+  return ChainSearch(resized, sized).Run();
 }
 
 int CountPlaces(const std::vector<Rigid3d>& cam_from_ecef, int limit) {

@@ -14,10 +14,11 @@ struct ConsistencyOptions {
   // session leaves between neighboring photos.
   double position_sigma_m = 0.1;
   double rotation_sigma_rad = 0.005;
-  // Standard deviation of the drift of a session between two photos, by their distance: four times
-  // that of good odometry. Rotations drift with positions: by as many radians between photos 60 m
-  // apart or more, by less between nearer ones.
-  double drift_share = 0.01;
+  // Standard deviation of the drift of a session between two photos, by their distance: twice that
+  // of good odometry.
+  double drift_share = 0.005;
+  // The same of rotations, between photos 60 m apart or more; less between nearer ones.
+  double drift_rad = 0.02;
   // Relative standard deviation of the session's size. GPS receivers of phones tell the size of a
   // street to 3 %.
   double scale_sigma = 0.03;
@@ -48,7 +49,8 @@ struct ConsistentFrames {
 // confirmed by others of it and contradicted by none; the largest one wins, and frames that more of
 // it confirm than contradict follow it. Of the other chains, those that stand 60 m apart from it
 // and agree with it up to the drift count if they have `kIslandPlaces` places; all others are
-// rivals. Chains are found greedily from each frame. Takes quadratic time in the frames and cubic
+// rivals. The frames that agree tell the size of the session, with which all are compared again.
+// Chains are found greedily from each frame. Takes quadratic time in the frames and cubic
 // time with 64 frames a step: milliseconds for 300.
 ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
                                       const ConsistencyOptions& options);

@@ -169,6 +169,29 @@ TEST(ConsistentFrames, OutweighWrongRunsThatAgreeWithThemselves) {
             95);
 }
 
+// As on facades with equal windows. The size of the session does not excuse it.
+TEST(ConsistentFrames, OutweighRunsThatAreMovedByAWindowAlongTheStreet) {
+  const auto move = [](size_t run, Walk* walk) {
+    for (size_t first = 0; first < walk->pairs.size(); first += 10) {
+      const double side = walk->Uniform(0, 1) < 0.5 ? 1.0 : -1.0;
+      const Eigen::Vector3d shift(side * walk->Uniform(2.5, 5), 0, 0);
+      for (size_t i = first; i < first + run; ++i) {
+        walk->AnswerShifted(i, shift);
+      }
+    }
+  };
+  EXPECT_GE(CountAnchored([&](Walk* walk) { move(3, walk); }), 95);
+  CountAnchored([&](Walk* walk) { move(5, walk); });  // None by a wrong answer.
+}
+
+TEST(ConsistentFrames, AreNotAnchoredIfAThirdIsMovedAlongTheStreet) {
+  CountAnchored([](Walk* walk) {
+    for (size_t i = 0; i < 20; ++i) {
+      walk->AnswerShifted(i, {3, 0, 0});
+    }
+  });
+}
+
 // Whichever of the two is right: nobody can tell.
 TEST(ConsistentFrames, AreNotAnchoredIfARunContradictsThem) {
   EXPECT_EQ(CountAnchored([](Walk* walk) {
