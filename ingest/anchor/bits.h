@@ -1,4 +1,4 @@
-// A set of small numbers.
+// A set of indices. Private to ingest.
 #ifndef CAIRN_INGEST_ANCHOR_BITS_H_
 #define CAIRN_INGEST_ANCHOR_BITS_H_
 
@@ -9,7 +9,8 @@
 
 namespace cairn {
 
-// A set of indices below `size`, a bit each. Sets that meet have the same size.
+// A set of indices below `size`, a bit each. Add, Remove and CountShared take sets of the same
+// size.
 class Bits {
  public:
   explicit Bits(size_t size) : words_((size + 63) / 64, 0) {}

@@ -214,8 +214,8 @@ bool IsNearAny(const Frame& frame, const std::vector<Frame>& frames,
   return std::any_of(set.begin(), set.end(), [&](size_t i) { return AreNear(frame, frames[i]); });
 }
 
-// The size of the session by the map, by pairs of frames of a set that are at most `most_m` and at
-// least half of that, or of the extent of the set, apart.
+// The size of the session by the map: the median over pairs of frames of a set that are at most
+// `most_m` apart, and at least half of that, or of the extent of the set if that is less.
 double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set,
                double most_m = std::numeric_limits<double>::infinity()) {
   const double least_m = 0.5 * std::min(most_m, Weigh(frames, set).extent_m);
@@ -232,7 +232,7 @@ double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set,
   return scales.empty() ? 1.0 : Median(std::move(scales));
 }
 
-// How well frames over this extent tell the size of the session.
+// The relative standard deviation of the size that frames over this extent tell.
 double ScaleSigma(const ConsistencyOptions& options, double extent_m) {
   return std::min(options.scale_sigma,
                   options.drift_share + options.position_sigma_m / std::max(1.0, extent_m));

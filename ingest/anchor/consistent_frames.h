@@ -17,7 +17,8 @@ struct ConsistencyOptions {
   // Standard deviation of the drift of a session between two photos, by their distance: twice that
   // of good odometry.
   double drift_share = 0.005;
-  // The same of rotations, between photos 60 m apart or more; less between nearer ones.
+  // Standard deviation of the drift of rotations between photos 60 m apart or more; between nearer
+  // ones in proportion to their distance.
   double drift_rad = 0.02;
   // Relative standard deviation of the session's size. GPS receivers of phones tell the size of a
   // street to 3 %.
@@ -49,7 +50,7 @@ struct ConsistentFrames {
 // confirmed by others of it and contradicted by none; the largest one wins, and frames that more of
 // it confirm than contradict follow it. Of the other chains, those that stand 60 m apart from it
 // and agree with it up to the drift count if they have `kIslandPlaces` places; all others are
-// rivals. The frames that agree tell the size of the session, with which all are compared again.
+// rivals. The frames that agree tell the size of the session, in which all are compared again.
 // Chains are found greedily from each frame. Takes quadratic time in the frames and cubic
 // time with 64 frames a step: milliseconds for 300.
 ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
