@@ -10,7 +10,7 @@
 
 #include "core/radius68.h"
 #include "core/statistics.h"
-#include "ingest/anchor/bits.h"
+#include "ingest/anchor/frame_groups.h"
 
 namespace cairn {
 namespace {
@@ -117,101 +117,34 @@ FrameSet Weigh(const std::vector<Frame>& frames, const std::vector<size_t>& set)
   return {num_frames, PlacesAmong(centers, num_frames), ExtentOf(centers)};
 }
 
-// Which frames contradict each other, and which confirm each other: both within a window.
-struct Relations {
-  std::vector<Bits> confirms;     // Row i has the frames that frame i confirms, not i itself.
-  std::vector<Bits> contradicts;  // Row i has the frames that frame i contradicts.
-};
-
-Relations RelationsOf(const std::vector<Frame>& frames, const ConsistencyOptions& options) {
-  Relations relations = {std::vector<Bits>(frames.size(), Bits(frames.size())),
-                         std::vector<Bits>(frames.size(), Bits(frames.size()))};
-  for (size_t i = 0; i < frames.size(); ++i) {
-    for (size_t j = 0; j < i; ++j) {
-      if (!AreNear(frames[i], frames[j])) {
-        continue;
-      }
-      std::vector<Bits>& rows =
-          AreConsistent(frames[i], frames[j], options) ? relations.confirms : relations.contradicts;
-      rows[i].Set(j);
-      rows[j].Set(i);
-    }
-  }
-  return relations;
-}
-
-// A chain of frames, each confirmed by others near by and contradicted by none of the chain. Adds,
-// one after the other, the frame that most of the frames which may still follow confirm.
-std::vector<size_t> ChainFrom(size_t start, Bits allowed, const Relations& relations) {
-  std::vector<size_t> chain = {start};
-  Bits reached = relations.confirms[start];
-  allowed.Clear(start);
-  allowed.Remove(relations.contradicts[start]);
-  while (true) {
-    size_t best = relations.confirms.size();
-    int most = -1;
-    for (size_t i = 0; i < relations.confirms.size(); ++i) {
-      if (allowed.Has(i) && reached.Has(i)) {
-        const int count = relations.confirms[i].CountShared(allowed);
-        if (count > most) {
-          best = i;
-          most = count;
-        }
+// The groups of frames that agree with each other; first that of most places, then of most frames,
+// then of the earliest frame.
+std::vector<std::vector<size_t>> GroupsOf(const std::vector<Frame>& frames,
+                                          const ConsistencyOptions& options) {
+  std::vector<FramePair> pairs;
+  for (size_t a = 0; a < frames.size(); ++a) {
+    for (size_t b = 0; b < a; ++b) {
+      if (AreNear(frames[a], frames[b])) {
+        pairs.push_back(
+            {a, b, DistanceM(frames[a], frames[b]), AreConsistent(frames[a], frames[b], options)});
       }
     }
-    if (best == relations.confirms.size()) {
-      return chain;
-    }
-    chain.push_back(best);
-    reached.Add(relations.confirms[best]);
-    allowed.Clear(best);
-    allowed.Remove(relations.contradicts[best]);
   }
+  std::vector<std::vector<size_t>> groups = GroupFrames(frames.size(), std::move(pairs));
+  const auto weight = [&](const std::vector<size_t>& group) {
+    return std::pair(Weigh(frames, group).num_places, group.size());
+  };
+  std::stable_sort(groups.begin(), groups.end(),
+                   [&](const auto& a, const auto& b) { return weight(a) > weight(b); });
+  return groups;
 }
 
-// The chain of most places, then of most frames, then of the earliest start, among allowed frames.
-std::vector<size_t> LargestChain(const std::vector<Frame>& frames, const Bits& allowed,
-                                 const Relations& relations) {
-  std::vector<size_t> largest;
-  int most_places = 0;
-  Bits tried(frames.size());  // A frame of a chain hardly starts a larger one.
-  for (size_t start = 0; start < frames.size(); ++start) {
-    if (!allowed.Has(start) || tried.Has(start)) {
-      continue;
-    }
-    std::vector<size_t> chain = ChainFrom(start, allowed, relations);
-    for (const size_t i : chain) {
-      tried.Set(i);
-    }
-    const int num_places = Weigh(frames, chain).num_places;
-    if (num_places > most_places || (num_places == most_places && chain.size() > largest.size())) {
-      most_places = num_places;
-      largest = std::move(chain);
-    }
-  }
-  return largest;
-}
-
-// The frames that more of the chain confirm than contradict. Those of the chain are among them.
-std::vector<size_t> FollowersOf(const std::vector<size_t>& chain, const Bits& allowed,
-                                const Relations& relations) {
-  Bits members(relations.confirms.size());
-  for (const size_t i : chain) {
-    members.Set(i);
-  }
-  std::vector<size_t> followers;
-  for (size_t i = 0; i < relations.confirms.size(); ++i) {
-    if (allowed.Has(i) && (members.Has(i) || relations.confirms[i].CountShared(members) >
-                                                 relations.contradicts[i].CountShared(members))) {
-      followers.push_back(i);
-    }
-  }
-  return followers;
-}
-
-bool IsNearAny(const Frame& frame, const std::vector<Frame>& frames,
-               const std::vector<size_t>& set) {
-  return std::any_of(set.begin(), set.end(), [&](size_t i) { return AreNear(frame, frames[i]); });
+bool AreNear(const std::vector<Frame>& frames, const std::vector<size_t>& as,
+             const std::vector<size_t>& bs) {
+  return std::any_of(as.begin(), as.end(), [&](size_t a) {
+    return std::any_of(bs.begin(), bs.end(),
+                       [&](size_t b) { return AreNear(frames[a], frames[b]); });
+  });
 }
 
 // The size of the session by the map: the median over pairs of frames of a set that are at most
@@ -253,74 +186,59 @@ bool IsIslandOf(const std::vector<Frame>& frames, const std::vector<size_t>& isl
   return 2 * num_consistent > static_cast<int64_t>(island.size() * winner.size());
 }
 
-// Chains are found from the largest on, until those left are too small to matter.
-class ChainSearch {
+// What the groups of a session say together.
+class Verdict {
  public:
-  ChainSearch(const std::vector<Frame>& frames, const ConsistencyOptions& options)
-      : frames_(frames),
-        options_(options),
-        relations_(RelationsOf(frames, options)),
-        left_(frames.size()) {
-    for (size_t i = 0; i < frames.size(); ++i) {
-      left_.Set(i);
-    }
-  }
+  Verdict(const std::vector<Frame>& frames, const ConsistencyOptions& options)
+      : frames_(frames), options_(options), groups_(GroupsOf(frames, options)) {}
 
-  ConsistentFrames Run() {
-    std::vector<size_t> winner = TakeChain();
-    result_.agrees.assign(frames_.size(), false);
-    Accept(winner);
-    std::vector<size_t> all = winner;
-    for (std::vector<size_t> chain = TakeChain(); chain.size() > 2; chain = TakeChain()) {
-      if (Settle(chain, winner)) {
-        all.insert(all.end(), chain.begin(), chain.end());
+  ConsistentFrames Reach() {
+    accepted_ = groups_.front();
+    for (size_t k = 1; k < groups_.size(); ++k) {
+      if (groups_[k].size() > kByChance) {
+        Settle(groups_[k]);
       }
     }
-    std::sort(all.begin(), all.end());
-    result_.winner = Weigh(frames_, all);
+    std::sort(accepted_.begin(), accepted_.end());
+    result_.winner = Weigh(frames_, accepted_);
+    result_.agrees.assign(frames_.size(), false);
+    for (const size_t i : accepted_) {
+      result_.agrees[i] = true;
+    }
     return std::move(result_);
   }
 
  private:
-  std::vector<size_t> TakeChain() {
-    std::vector<size_t> followers =
-        FollowersOf(LargestChain(frames_, left_, relations_), left_, relations_);
-    for (const size_t i : followers) {
-      left_.Clear(i);
-    }
-    return followers;
-  }
+  static constexpr size_t kByChance = 2;  // Frames that agree with each other, but not a group.
 
-  void Accept(const std::vector<size_t>& chain) {
-    for (const size_t i : chain) {
-      result_.agrees[i] = true;
-    }
-  }
-
-  // Returns whether the chain is an island that counts; else it may be a rival.
-  bool Settle(const std::vector<size_t>& chain, const std::vector<size_t>& winner) {
-    const FrameSet weight = Weigh(frames_, chain);
-    const auto num_near = std::count_if(chain.begin(), chain.end(), [&](size_t i) {
-      return IsNearAny(frames_[i], frames_, winner);
-    });
-    const bool is_apart = 2 * num_near < static_cast<int64_t>(chain.size());
-    if (is_apart && IsIslandOf(frames_, chain, winner, options_)) {
-      if (weight.num_places >= kIslandPlaces) {
-        Accept(chain);
+  // Accepts the group as an island, notes that it is a rival, or passes over it.
+  void Settle(const std::vector<size_t>& group) {
+    const FrameSet weight = Weigh(frames_, group);
+    const bool is_apart = !AreNear(frames_, group, accepted_);
+    if (is_apart && IsIslandOf(frames_, group, groups_.front(), options_)) {
+      if (weight.num_places >= kIslandPlaces && !IsContested(group, weight)) {
+        accepted_.insert(accepted_.end(), group.begin(), group.end());
       }
-      return weight.num_places >= kIslandPlaces;
+      return;
     }
     if (weight.num_places > result_.rival.num_places) {
       result_.rival = weight;
     }
     result_.rival_is_apart |= is_apart && 2 * weight.num_places >= kIslandPlaces;
-    return false;
+  }
+
+  // Whether another group of half as many places stands near this one.
+  bool IsContested(const std::vector<size_t>& group, const FrameSet& weight) const {
+    return std::any_of(groups_.begin(), groups_.end(), [&](const std::vector<size_t>& other) {
+      return &other != &group && 2 * Weigh(frames_, other).num_places >= weight.num_places &&
+             AreNear(frames_, other, group);
+    });
   }
 
   const std::vector<Frame>& frames_;
   const ConsistencyOptions& options_;
-  const Relations relations_;
-  Bits left_;
+  const std::vector<std::vector<size_t>> groups_;
+  std::vector<size_t> accepted_;
   ConsistentFrames result_;
 };
 
@@ -328,12 +246,12 @@ class ChainSearch {
 ConsistentFrames SearchInAnySize(const std::vector<PosePair>& pairs,
                                  const std::vector<Frame>& frames,
                                  const ConsistencyOptions& options) {
-  ConsistentFrames result = ChainSearch(frames, options).Run();
+  ConsistentFrames result = Verdict(frames, options).Reach();
   if (2 * result.winner.num_frames < static_cast<int>(pairs.size())) {
     std::vector<size_t> all(frames.size());
     std::iota(all.begin(), all.end(), 0);
     const std::vector<Frame> resized = FramesOf(pairs, options, ScaleBy(frames, all));
-    ConsistentFrames other = ChainSearch(resized, options).Run();
+    ConsistentFrames other = Verdict(resized, options).Reach();
     if (other.winner.num_places > result.winner.num_places) {
       result = std::move(other);
     }
@@ -368,7 +286,7 @@ ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
   ConsistencyOptions sized = options;
   sized.scale_sigma = ScaleSigma(options, std::min(kWindowM, Weigh(frames, agreeing).extent_m));
   const std::vector<Frame> resized = FramesOf(pairs, sized, ScaleBy(frames, agreeing, kWindowM));
-  return ChainSearch(resized, sized).Run();
+  return Verdict(resized, sized).Reach();
 }
 
 int CountPlaces(const std::vector<Rigid3d>& cam_from_ecef, int limit) {

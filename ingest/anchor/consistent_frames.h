@@ -38,21 +38,22 @@ struct FrameSet {
 struct ConsistentFrames {
   std::vector<bool> agrees;  // Of each pair.
   FrameSet winner;           // All frames that agree.
-  FrameSet rival;            // The largest chain that agrees on something else.
+  FrameSet rival;            // The largest group that agrees on something else.
   // A rival of at least five places stands 60 m apart from the frames that agree, where nothing
   // speaks against it.
   bool rival_is_apart = false;
 };
 
 // Compares the relative poses of frames in the session with those in the map: they do not depend on
-// where the session is thought to stand, how it is turned, or on drift far away. Two frames within
-// 60 m of each other confirm or contradict each other. A chain is a set of frames that are
-// confirmed by others of it and contradicted by none; the largest one wins, and frames that more of
-// it confirm than contradict follow it. Of the other chains, those that stand 60 m apart from it
-// and agree with it up to the drift count if they have `kIslandPlaces` places; all others are
-// rivals. The frames that agree tell the size of the session, in which all are compared again.
-// Chains are found greedily from each frame. Takes quadratic time in the frames and cubic
-// time with 64 frames a step: milliseconds for 300.
+// where the session is thought to stand, how it is turned, or on drift far away. Frames within 60 m
+// of each other are grouped (GroupFrames), and the group of most places wins. Another group of
+// three or more frames
+//  - is an island if it stands 60 m apart from all frames accepted so far, and most of its pairs
+//    with the winner agree up to the drift. It is accepted if it has `kIslandPlaces` places and no
+//    group of half as many stands near it;
+//  - is a rival otherwise.
+// The frames accepted tell the size of the session, in which all are compared again.
+// Takes quadratic time, at worst cubic: docs/math/mapping_sessions.md.
 ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
                                       const ConsistencyOptions& options);
 

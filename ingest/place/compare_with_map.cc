@@ -196,7 +196,7 @@ void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
   anchoring.rival = consistent.rival;
   anchoring.rival_is_apart = consistent.rival_is_apart;
   comparison->bending = Bending();
-  // A chain of a session that is not anchored proves nothing; one motion has to explain its photos.
+  // A group of a session that is not anchored proves nothing; one motion has to explain its photos.
   if (!IsAnchored(anchoring)) {
     comparison->fit = FitPlacement(pairs, PlacementFitOptions());
     return;

@@ -49,15 +49,15 @@ struct Walk {
 
 // All answers are right. The session is shifted by 3 m, turned by a degree and raised by 2 m, and
 // drifts by 0.3 m in 100 m.
-Walk WalkOf(int seed, int num_frames = kNumFrames) {
+Walk WalkOf(int seed, int num_frames = kNumFrames, double step_m = kStepM) {
   Walk walk;
   walk.random.seed(static_cast<uint64_t>(seed));
   const Rigid3d session_from_map(ExpSo3(Eigen::Vector3d(0, 0, 0.017)), Eigen::Vector3d(2, -2, 2));
   Eigen::Vector3d drift = Eigen::Vector3d::Zero();
   for (int i = 0; i < num_frames; ++i) {
     const Rigid3d in_map(ExpSo3(Eigen::Vector3d(0.1, 0, 0.5 * std::sin(0.3 * i))),
-                         Eigen::Vector3d(kStepM * i, 2.0 * std::sin(0.1 * i), 1.6));
-    drift += walk.Noise(0.3 * std::sqrt(kStepM / 100.0));
+                         Eigen::Vector3d(step_m * i, 2.0 * std::sin(0.1 * i), 1.6));
+    drift += walk.Noise(0.3 * std::sqrt(step_m / 100.0));
     Rigid3d in_session = session_from_map * in_map;
     in_session.translation += drift;
     walk.in_map.push_back(in_map.Inverse());
@@ -102,10 +102,10 @@ Verdict Judge(const Walk& walk) {
 }
 
 // Returns in how many of the seeds the walk is anchored. None may be anchored by a wrong answer.
-int CountAnchored(const std::function<void(Walk*)>& spoil) {
+int CountAnchored(const std::function<void(Walk*)>& spoil, double step_m = kStepM) {
   int num_anchored = 0;
   for (int seed = 0; seed < kNumSeeds; ++seed) {
-    Walk walk = WalkOf(seed);
+    Walk walk = WalkOf(seed, kNumFrames, step_m);
     spoil(&walk);
     const Verdict verdict = Judge(walk);
     num_anchored += verdict.is_anchored ? 1 : 0;
@@ -169,28 +169,71 @@ TEST(ConsistentFrames, OutweighWrongRunsThatAgreeWithThemselves) {
             95);
 }
 
-// As on facades with equal windows. The size of the session does not excuse it.
-TEST(ConsistentFrames, OutweighRunsThatAreMovedByAWindowAlongTheStreet) {
-  const auto move = [](size_t run, Walk* walk) {
-    for (size_t first = 0; first < walk->pairs.size(); first += 10) {
-      const double side = walk->Uniform(0, 1) < 0.5 ? 1.0 : -1.0;
-      const Eigen::Vector3d shift(side * walk->Uniform(2.5, 5), 0, 0);
-      for (size_t i = first; i < first + run; ++i) {
-        walk->AnswerShifted(i, shift);
-      }
+constexpr double kWindowsM[] = {1.1, 1.5, 2.0, 3.0, 5.0};
+const Eigen::Vector3d kDirections[] = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+
+// As on facades with equal windows. Neither the drift nor the size of the session excuses it.
+TEST(ConsistentFrames, OutweighRunsThatAreMovedByAWindow) {
+  for (const double window_m : kWindowsM) {
+    for (const Eigen::Vector3d& direction : kDirections) {
+      const auto move = [&](size_t run, Walk* walk) {
+        for (size_t first = 0; first < walk->pairs.size(); first += 10) {
+          const double side = walk->Uniform(0, 1) < 0.5 ? 1.0 : -1.0;
+          const double shift_m = side * window_m * walk->Uniform(1.0, 1.3);
+          for (size_t i = first; i < first + run; ++i) {
+            walk->AnswerShifted(i, shift_m * direction);
+          }
+        }
+      };
+      EXPECT_GE(CountAnchored([&](Walk* walk) { move(3, walk); }), 95) << window_m;
+      CountAnchored([&](Walk* walk) { move(5, walk); });  // None by a wrong answer.
     }
-  };
-  EXPECT_GE(CountAnchored([&](Walk* walk) { move(3, walk); }), 95);
-  CountAnchored([&](Walk* walk) { move(5, walk); });  // None by a wrong answer.
+  }
 }
 
-TEST(ConsistentFrames, AreNotAnchoredIfAThirdIsMovedAlongTheStreet) {
-  EXPECT_EQ(CountAnchored([](Walk* walk) {
-              for (size_t i = 0; i < 20; ++i) {
-                walk->AnswerShifted(i, {3, 0, 0});
-              }
-            }),
-            0);
+TEST(ConsistentFrames, AreNotAnchoredIfAThirdIsMovedByAWindow) {
+  for (const double window_m : kWindowsM) {
+    for (const Eigen::Vector3d& direction : kDirections) {
+      EXPECT_EQ(CountAnchored([&](Walk* walk) {
+                  for (size_t i = 0; i < 20; ++i) {
+                    walk->AnswerShifted(i, window_m * direction);
+                  }
+                }),
+                0)
+          << window_m;
+    }
+  }
+}
+
+// The first third stands far from the last one: only photos at the seam contradict each other.
+TEST(ConsistentFrames, AreNotAnchoredIfAThirdOfALongWalkIsMoved) {
+  constexpr double kLongStepM = 10.0;
+  for (const double shift_m : {1.5, 3.0, 5.0}) {
+    EXPECT_EQ(CountAnchored(
+                  [&](Walk* walk) {
+                    for (size_t i = 0; i < 20; ++i) {
+                      walk->AnswerShifted(i, {shift_m, 0, 0});
+                    }
+                  },
+                  kLongStepM),
+              0)
+        << shift_m;
+  }
+}
+
+// Two runs of wrong answers far from the others agree, and right ones between them say otherwise.
+TEST(ConsistentFrames, FarFromTheOthersDoNotCountWhereTheyAreContested) {
+  for (int seed = 0; seed < kNumSeeds; ++seed) {
+    Walk walk = WalkOf(seed);
+    for (size_t i = 0; i < 12; ++i) {
+      walk.AnswerShifted(i, {1.8, 0, 0});
+    }
+    for (size_t i = 22; i < 40; ++i) {
+      walk.AnswerAnywhere(i);
+    }
+    const Verdict verdict = Judge(walk);
+    EXPECT_TRUE(!verdict.is_anchored || verdict.worst_m < 1.0) << seed << ": " << verdict.worst_m;
+  }
 }
 
 // Whichever of the two is right: nobody can tell.
