@@ -85,6 +85,8 @@ void DescribeIndex(IndexOptions* options, OptionList* list) {
 
 void DescribeMatching(MatchingOptions* options, OptionList* list) {
   list->Add("max_neighbors", &options->max_neighbors, "Most landmarks that match a keypoint");
+  list->Add("max_keypoints_of_landmark", &options->max_keypoints_of_landmark,
+            "Most keypoints that match a landmark, the nearest ones");
   list->Add("distance_filter", &options->distance_filter, kDistanceFilterNames,
             "Which descriptors may match: those within one distance for all, within a ratio to the "
             "nearest word of a vocabulary, or all");

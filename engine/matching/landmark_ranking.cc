@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <tuple>
 
 #include "core/angles.h"
+#include "core/random.h"
 #include "storage/codebook/distance_statistics.h"
 
 namespace cairn {
@@ -289,6 +291,32 @@ Correspondence LandmarkRanking::MakeCorrespondence(int rank, const Neighbor& nei
       .orientation_rad = OrientationOf(tile.orientation_codes[neighbor.descriptor_idx])};
 }
 
+std::vector<bool> LandmarkRanking::FindSurplus() const {
+  // A landmark whose hash counts few keypoints has few. Most landmarks of a map of a city have one.
+  std::vector<int> num_by_hash(std::bit_ceil(neighbors_.size() + 1), 0);
+  const auto num_of = [&](LandmarkId id) -> int& {
+    return num_by_hash[(static_cast<uint64_t>(id) * kSplitMixStep >> 32) &
+                       (num_by_hash.size() - 1)];
+  };
+  ForEachNeighbor([&](int, size_t idx) { ++num_of(neighbors_[idx].landmark_id); });
+  // Neighbors in the order in which each landmark takes them.
+  std::vector<std::tuple<LandmarkId, float, int, size_t>> uses;
+  ForEachNeighbor([&](int rank, size_t idx) {
+    const Neighbor& neighbor = neighbors_[idx];
+    if (num_of(neighbor.landmark_id) > options_.max_keypoints_of_landmark) {
+      uses.emplace_back(neighbor.landmark_id, neighbor.sq_distance, KeypointAt(rank), idx);
+    }
+  });
+  std::sort(uses.begin(), uses.end());
+  std::vector<bool> is_surplus(neighbors_.size(), false);
+  int num_nearer = 0;
+  for (size_t i = 0; i < uses.size(); ++i) {
+    num_nearer = i > 0 && std::get<0>(uses[i]) == std::get<0>(uses[i - 1]) ? num_nearer + 1 : 0;
+    is_surplus[std::get<size_t>(uses[i])] = num_nearer >= options_.max_keypoints_of_landmark;
+  }
+  return is_surplus;
+}
+
 std::vector<Correspondence> LandmarkRanking::Correspondences(
     const std::vector<TileView>& tiles) const {
   constexpr int kAhead = 4;  // Number of keypoints ahead whose landmarks are prefetched.
@@ -302,6 +330,7 @@ std::vector<Correspondence> LandmarkRanking::Correspondences(
   const auto rank_of = [&](int keypoint_idx) {
     return ranks.empty() ? keypoint_idx : ranks[keypoint_idx];
   };
+  const std::vector<bool> is_surplus = FindSurplus();
   std::vector<Correspondence> correspondences;
   correspondences.reserve(std::accumulate(num_neighbors_.begin(), num_neighbors_.end(), size_t{0}));
   for (int keypoint_idx = 0; keypoint_idx < query_.num_keypoints(); ++keypoint_idx) {
@@ -310,16 +339,14 @@ std::vector<Correspondence> LandmarkRanking::Correspondences(
     }
     const int rank = rank_of(keypoint_idx);
     for (int i = 0; i < num_neighbors_[rank]; ++i) {
-      const Neighbor& neighbor = neighbors_[size_t{1} * rank * options_.max_neighbors + i];
-      correspondences.push_back(MakeCorrespondence(rank, neighbor, tiles[neighbor.tile_idx]));
+      const size_t idx = size_t{1} * rank * options_.max_neighbors + i;
+      if (!is_surplus[idx]) {
+        const Neighbor& neighbor = neighbors_[idx];
+        correspondences.push_back(MakeCorrespondence(rank, neighbor, tiles[neighbor.tile_idx]));
+      }
     }
   }
   return correspondences;
-}
-
-int64_t LandmarkRanking::NumMatchedKeypoints() const {
-  return static_cast<int64_t>(std::count_if(num_neighbors_.begin(), num_neighbors_.end(),
-                                            [](int count) { return count > 0; }));
 }
 
 }  // namespace cairn

@@ -1,5 +1,5 @@
 // Turns descriptor hits into correspondences: applies the prior terms and the hard filters, and
-// keeps the k best landmarks of each keypoint.
+// keeps the k best landmarks of each keypoint, and of these the best keypoints of each landmark.
 #ifndef CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 #define CAIRN_ENGINE_MATCHING_LANDMARK_RANKING_H_
 
@@ -40,11 +40,10 @@ class LandmarkRanking {
   // The square of MaxUsefulDistance.
   float MaxUsefulSqDistance(uint32_t rank) const { return max_useful_sq_distances_[rank]; }
 
-  // Returns the correspondences, ordered by keypoint, then distance. `tiles` must be the tiles
-  // whose hits were added.
+  // Returns the correspondences, ordered by keypoint, then distance: the neighbors of all
+  // keypoints, but of each landmark only the max_keypoints_of_landmark nearest. Equally near
+  // keypoints are taken in their order. `tiles` must be the tiles whose hits were added.
   std::vector<Correspondence> Correspondences(const std::vector<TileView>& tiles) const;
-
-  int64_t NumMatchedKeypoints() const;
 
  private:
   struct Neighbor {
@@ -77,6 +76,17 @@ class LandmarkRanking {
   float SqPositionExcess(const Eigen::Vector2f& x_from_prior) const;
   int KeypointAt(int rank) const { return order_.empty() ? rank : order_[rank]; }
   void Insert(uint32_t rank, const Neighbor& neighbor);
+  // Tells of each of neighbors_ whether enough other keypoints are nearer to its landmark.
+  std::vector<bool> FindSurplus() const;
+  // Calls `visit(rank, index into neighbors_)` for each neighbor of each keypoint.
+  template <typename Visit>
+  void ForEachNeighbor(const Visit& visit) const {
+    for (size_t rank = 0; rank < num_neighbors_.size(); ++rank) {
+      for (int i = 0; i < num_neighbors_[rank]; ++i) {
+        visit(static_cast<int>(rank), rank * options_.max_neighbors + i);
+      }
+    }
+  }
   // Returns the squared distance of the descriptors alone, up to rounding.
   float DescriptorSqDistance(int rank, const Neighbor& neighbor, const TileView& view) const;
   // Prefetches the data of a keypoint's landmarks that Correspondences reads. The landmarks are

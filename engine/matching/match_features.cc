@@ -128,6 +128,17 @@ int64_t SearchTile(const DescriptorMatrix& queries, const KeypointRange& range,
   return num_distances;
 }
 
+// The correspondences are ordered by keypoint.
+int64_t NumKeypoints(const std::vector<Correspondence>& correspondences) {
+  int64_t num_keypoints = 0;
+  for (size_t i = 0; i < correspondences.size(); ++i) {
+    const bool is_new =
+        i == 0 || correspondences[i].keypoint_idx != correspondences[i - 1].keypoint_idx;
+    num_keypoints += is_new ? 1 : 0;
+  }
+  return num_keypoints;
+}
+
 // Returns the codes of some descriptors, in the given order.
 std::vector<uint8_t> GatherCodes(const SearchableTile& tile,
                                  std::span<const uint32_t> descriptors) {
@@ -193,8 +204,10 @@ FeatureMatches FeatureMatcher::MatchUpTo(int num_keypoints, SharedWorkers* worke
                      stop_all, &shared_visits, &ranking_);
     }
   });
-  return {.correspondences = ranking_.Correspondences(tiles_),
-          .num_matched_keypoints = ranking_.NumMatchedKeypoints(),
+  std::vector<Correspondence> correspondences = ranking_.Correspondences(tiles_);
+  const int64_t num_matched_keypoints = NumKeypoints(correspondences);
+  return {.correspondences = std::move(correspondences),
+          .num_matched_keypoints = num_matched_keypoints,
           .num_distances = std::accumulate(num_distances.begin(), num_distances.end(), int64_t{0}),
           .was_stopped = was_stopped};
 }

@@ -11,6 +11,7 @@ void MatchingOptions::Validate() const {
   index.Validate();
   RequireWithin("matching.deadline_share", deadline_share, 0.0, 1.0);
   RequireWithin("matching.max_neighbors", max_neighbors, 1, 64);
+  RequireWithin("matching.max_keypoints_of_landmark", max_keypoints_of_landmark, 1, 1'000'000);
   RequireWithin("matching.distance_quantile", distance_quantile, 0.05, 0.95);
   RequireWithin("matching.max_word_ratio", max_word_ratio, 1e-3, 1e3);
   RequireWithin("matching.orientation_weight", orientation_weight, 0.0, 1e6);

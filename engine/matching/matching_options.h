@@ -33,6 +33,9 @@ struct MatchingOptions {
 
   // k nearest landmarks per keypoint, 1 to 64 (paper: performance peaks at 4).
   int max_neighbors = 4;
+  // Most keypoints that match a landmark, the nearest ones; at least 1. A camera sees a landmark
+  // once or a few times, so where many keypoints match it, most are wrong (docs/decisions/0079).
+  int max_keypoints_of_landmark = 8;
 
   // The filters use the descriptor distance without prior terms.
   DistanceFilter distance_filter = DistanceFilter::kAbsolute;

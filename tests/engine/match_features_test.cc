@@ -97,6 +97,33 @@ TEST(MatchFeatures, EqualDistancesAreOrderedByLandmark) {
   EXPECT_THAT(LandmarkIds(tiles, Match(SimpleQuery({{0.0f}}), tiles, options)), ElementsAre(4, 6));
 }
 
+std::vector<int> Keypoints(const std::vector<Correspondence>& matches) {
+  std::vector<int> keypoints;
+  for (const Correspondence& match : matches) {
+    keypoints.push_back(match.keypoint_idx);
+  }
+  return keypoints;
+}
+
+TEST(MatchFeatures, ALandmarkKeepsItsNearestKeypoints) {
+  MatchingOptions options = NoTerms();
+  options.max_keypoints_of_landmark = 2;
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.0f}}}, {2, {{1.0f}}}})),
+                                       SimpleView(SimpleTile({{1, {{0.01f}}}}))};
+  const auto matches =
+      Match(SimpleQuery({{0.2f}, {0.9f}, {0.1f}, {0.25f}, {0.05f}}), tiles, options);
+  EXPECT_THAT(Keypoints(matches), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(LandmarkIds(tiles, matches), ElementsAre(2, 1, 2, 1));
+}
+
+TEST(MatchFeatures, ALandmarkKeepsTheFirstOfEquallyNearKeypoints) {
+  MatchingOptions options = NoTerms();
+  options.max_keypoints_of_landmark = 2;
+  const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.0f}}}}))};
+  EXPECT_THAT(Keypoints(Match(SimpleQuery({{0.1f}, {0.1f}, {0.1f}}), tiles, options)),
+              ElementsAre(0, 1));
+}
+
 TEST(MatchFeatures, NothingBeyondTheThresholdMatches) {
   const std::vector<TileView> tiles = {SimpleView(SimpleTile({{1, {{0.4f}}}, {2, {{0.6f}}}}))};
   MatchingOptions options;
@@ -286,20 +313,23 @@ TEST(MatchFeatures, ThreadsChangeNothing) {
     keypoint = {anywhere(random)};
   }
   const QueryContext query = SimpleQuery(keypoints);
-  const FeatureMatches alone = MatchFeatures(query, tiles, {});
-  const std::vector<Correspondence>& expected = alone.correspondences;
-  ASSERT_GT(expected.size(), 1000u);
-  for (const int num_threads : {2, 3, 7}) {
-    SharedWorkers workers(num_threads);
-    const FeatureMatches shared = MatchFeatures(query, tiles, {}, &workers);
-    const std::vector<Correspondence>& matches = shared.correspondences;
-    EXPECT_EQ(shared.num_distances, alone.num_distances);
-    ASSERT_EQ(matches.size(), expected.size());
-    for (size_t i = 0; i < matches.size(); ++i) {
-      EXPECT_EQ(matches[i].keypoint_idx, expected[i].keypoint_idx);
-      EXPECT_EQ(matches[i].tile_idx, expected[i].tile_idx);
-      EXPECT_EQ(matches[i].landmark_idx, expected[i].landmark_idx);
-      EXPECT_EQ(matches[i].sq_distance, expected[i].sq_distance);
+  for (const int max_keypoints_of_landmark : {8, 1000}) {
+    const MatchingOptions options = {.max_keypoints_of_landmark = max_keypoints_of_landmark};
+    const FeatureMatches alone = MatchFeatures(query, tiles, options);
+    const std::vector<Correspondence>& expected = alone.correspondences;
+    ASSERT_GT(expected.size(), max_keypoints_of_landmark == 8 ? 100u : 1000u);
+    for (const int num_threads : {2, 3, 7}) {
+      SharedWorkers workers(num_threads);
+      const FeatureMatches shared = MatchFeatures(query, tiles, options, &workers);
+      const std::vector<Correspondence>& matches = shared.correspondences;
+      EXPECT_EQ(shared.num_distances, alone.num_distances);
+      ASSERT_EQ(matches.size(), expected.size());
+      for (size_t i = 0; i < matches.size(); ++i) {
+        EXPECT_EQ(matches[i].keypoint_idx, expected[i].keypoint_idx);
+        EXPECT_EQ(matches[i].tile_idx, expected[i].tile_idx);
+        EXPECT_EQ(matches[i].landmark_idx, expected[i].landmark_idx);
+        EXPECT_EQ(matches[i].sq_distance, expected[i].sq_distance);
+      }
     }
   }
 }
@@ -328,7 +358,8 @@ TEST(FeatureMatcher, ARoundAddsToTheMatchesOfTheLast) {
   }
   std::nth_element(scales.begin(), scales.end() - kFirst, scales.end());
   const float least_px = *(scales.end() - kFirst);
-  const FeatureMatches all = MatchFeatures(query, tiles, {});
+  const MatchingOptions options = {.max_keypoints_of_landmark = kNumKeypoints};
+  const FeatureMatches all = MatchFeatures(query, tiles, options);
   const auto expect_same = [](const std::vector<Correspondence>& a,
                               const std::vector<Correspondence>& b) {
     ASSERT_EQ(a.size(), b.size());
@@ -343,7 +374,6 @@ TEST(FeatureMatcher, ARoundAddsToTheMatchesOfTheLast) {
       all.correspondences.begin(), all.correspondences.end(), std::back_inserter(of_large),
       [&](const auto& match) { return query.keypoints[match.keypoint_idx].scale_px >= least_px; });
   ASSERT_GT(of_large.size(), 0u);
-  const MatchingOptions options;
   FeatureMatcher matcher(query, tiles, options);
   const FeatureMatches first = matcher.MatchUpTo(kFirst, nullptr, {});
   expect_same(first.correspondences, of_large);
@@ -352,6 +382,12 @@ TEST(FeatureMatcher, ARoundAddsToTheMatchesOfTheLast) {
   expect_same(last.correspondences, all.correspondences);
   EXPECT_EQ(first.num_distances + last.num_distances, all.num_distances);
   EXPECT_EQ(last.num_matched_keypoints, all.num_matched_keypoints);
+
+  const MatchingOptions limited = {.max_keypoints_of_landmark = 2};
+  FeatureMatcher limited_matcher(query, tiles, limited);
+  limited_matcher.MatchUpTo(kFirst, nullptr, {});
+  expect_same(limited_matcher.MatchUpTo(kNumKeypoints, nullptr, {}).correspondences,
+              MatchFeatures(query, tiles, limited).correspondences);
 }
 
 TEST(MatchFeatures, GoesOnWithWhatItHasWhenToldToStop) {

@@ -37,6 +37,7 @@ TEST(MatchingOptions, NameTheFieldThatMakesNoSense) {
       {"max_position_excess_sigmas",
        [=](auto* options) { options->max_position_excess_sigmas = nan; }},
       {"max_neighbors", [](auto* options) { options->max_neighbors = 0; }},
+      {"max_keypoints_of_landmark", [](auto* options) { options->max_keypoints_of_landmark = 0; }},
       {"distance_quantile", [](auto* options) { options->distance_quantile = 1.0; }},
       {"orientation_weight", [](auto* options) { options->orientation_weight = -1.0; }},
       {"position_weight", [=](auto* options) { options->position_weight = nan; }},
