@@ -25,13 +25,14 @@ struct FeatureMatches {
   bool was_stopped = false;   // Some keypoints were not searched everywhere.
 };
 
-// For each keypoint, returns the k best landmarks over all tiles that pass the filters. A landmark
-// in several tiles counts once (its nearest copy). Results are ordered by keypoint, then distance,
-// then landmark id. `workers` (may be null) share the work by ranges of keypoints; the result does
-// not depend on them. Polls `should_stop`; once it returns true, the search ends with the
-// correspondences found so far. Throws Error(kInternal) unless all tiles share the codebook with
-// which the query's descriptors were projected. The check compares codebook ids among the tiles,
-// and the dimension with the query.
+// For each keypoint, returns the k best landmarks over all tiles that pass the filters, except
+// those that have enough nearer keypoints (max_keypoints_of_landmark): no other landmark replaces
+// these. A landmark in several tiles counts once (its nearest copy). Results are ordered by
+// keypoint, then distance, then landmark id. `workers` (may be null) share the work by ranges of
+// keypoints; the result does not depend on them. Polls `should_stop`; once it returns true, the
+// search ends with the correspondences found so far. Throws Error(kInternal) unless all tiles share
+// the codebook with which the query's descriptors were projected. The check compares codebook ids
+// among the tiles, and the dimension with the query.
 FeatureMatches MatchFeatures(const QueryContext& query, const std::vector<TileView>& tiles,
                              const MatchingOptions& options, SharedWorkers* workers = nullptr,
                              const StopFunction& should_stop = {});
@@ -41,8 +42,9 @@ FeatureMatches MatchFeatures(const QueryContext& query, const std::vector<TileVi
 // nothing to do with their places in the image.
 std::vector<int> KeypointsByValue(const QueryContext& query);
 
-// Does the same in rounds. A round matches more keypoints, and no match is computed twice. After a
-// round over all keypoints, the correspondences are those of MatchFeatures.
+// Does the same in rounds. A round matches more keypoints, and no match is computed twice. A match
+// of an earlier round is left out if its landmark now has enough nearer keypoints. After a round
+// over all keypoints, the correspondences are those of MatchFeatures.
 class FeatureMatcher {
  public:
   // There must be a tile. The arguments must outlive the matcher. Throws as MatchFeatures.

@@ -55,8 +55,9 @@ struct StageCounters {
   int64_t num_places_searched = 0;
   int64_t num_descriptors = 0;  // In the searched tiles.
   int64_t num_distances = 0;    // Descriptor distances computed.
-  // Keypoint-landmark pairs below the threshold. If the stages ran again without gravity,
-  // num_matches, num_matched_keypoints, num_votes and num_candidates are those of the last run.
+  // Keypoint-landmark pairs that matching returns, and keypoints that have one. If the stages ran
+  // again without gravity, num_matches, num_matched_keypoints, num_votes and num_candidates are
+  // those of the last run.
   int64_t num_matches = 0;
   int64_t num_matched_keypoints = 0;
   int64_t num_votes = 0;

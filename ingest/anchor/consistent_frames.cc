@@ -22,6 +22,7 @@ constexpr double kWindowM = 60.0;
 struct Frame {
   Rigid3d ecef_from_cam, in_map;
   double var_m2 = 0.0, var_rad2 = 0.0;
+  Eigen::Vector3d center_in_ecef;  // By the session in its own size, as the rest of it is weighed.
 };
 
 // The session is made `scale` times as large, about the first frame.
@@ -36,7 +37,8 @@ std::vector<Frame> FramesOf(const std::vector<PosePair>& pairs, const Consistenc
          pair.cam_from_ecef_in_map.Inverse(),
          std::pow(options.position_sigma_m, 2) + std::pow(pair.accuracy_m / kRadius68PerSigma3d, 2),
          std::pow(options.rotation_sigma_rad, 2) +
-             std::pow(pair.accuracy_rad / kRadius68PerSigma3d, 2)});
+             std::pow(pair.accuracy_rad / kRadius68PerSigma3d, 2),
+         ecef_from_cam.translation});
   }
   return frames;
 }
@@ -106,7 +108,7 @@ std::vector<Eigen::Vector3d> CentersOf(const std::vector<Frame>& frames,
                                        const std::vector<size_t>& set) {
   std::vector<Eigen::Vector3d> centers;
   for (const size_t i : set) {
-    centers.push_back(frames[i].ecef_from_cam.translation);
+    centers.push_back(frames[i].center_in_ecef);
   }
   return centers;
 }
@@ -148,21 +150,58 @@ bool AreNear(const std::vector<Frame>& frames, const std::vector<size_t>& as,
 }
 
 // The size of the session by the map: the median over pairs of frames of a set that are at most
-// `most_m` apart, and at least half of that, or of the extent of the set if that is less.
+// `most_m` apart, and at least half of that, or of the extent of the set if that is less. Pairs
+// closer than a meter tell nothing.
 double ScaleBy(const std::vector<Frame>& frames, const std::vector<size_t>& set,
                double most_m = std::numeric_limits<double>::infinity()) {
-  const double least_m = 0.5 * std::min(most_m, Weigh(frames, set).extent_m);
+  const double least_m = std::max(1.0, 0.5 * std::min(most_m, Weigh(frames, set).extent_m));
   std::vector<double> scales;
   for (const size_t i : set) {
     for (const size_t j : set) {
       const double by_session_m = DistanceM(frames[i], frames[j]);
-      if (i < j && by_session_m >= least_m && by_session_m <= most_m && by_session_m > 0.0) {
+      if (i < j && by_session_m >= least_m && by_session_m <= most_m) {
         scales.push_back((frames[i].in_map.translation - frames[j].in_map.translation).norm() /
                          by_session_m);
       }
     }
   }
   return scales.empty() ? 1.0 : Median(std::move(scales));
+}
+
+// The distance within which frames of a set follow each other without a gap.
+double StepM(const std::vector<Frame>& frames, const std::vector<size_t>& set) {
+  constexpr double kLeastM = 15.0;
+  std::vector<double> nearest_m;
+  for (const size_t i : set) {
+    double least_m = std::numeric_limits<double>::infinity();
+    for (const size_t j : set) {
+      least_m = i == j ? least_m : std::min(least_m, DistanceM(frames[i], frames[j]));
+    }
+    nearest_m.push_back(least_m);
+  }
+  return std::max(kLeastM, 2.0 * Median(std::move(nearest_m)));
+}
+
+// The part of a set that has most frames and no gap.
+std::vector<size_t> LargestRun(const std::vector<Frame>& frames, std::vector<size_t> set) {
+  const double step_m = StepM(frames, set);
+  std::vector<size_t> largest;
+  while (set.size() > largest.size()) {
+    std::vector<size_t> run = {set.back()};
+    set.pop_back();
+    for (size_t next = 0; next < run.size(); ++next) {
+      const auto is_far = [&](size_t i) {
+        return DistanceM(frames[i], frames[run[next]]) > step_m;
+      };
+      const auto near = std::stable_partition(set.begin(), set.end(), is_far);
+      run.insert(run.end(), near, set.end());
+      set.erase(near, set.end());
+    }
+    if (run.size() > largest.size()) {
+      largest = std::move(run);
+    }
+  }
+  return largest;
 }
 
 // The relative standard deviation of the size that frames over this extent tell.
@@ -195,7 +234,7 @@ class Verdict {
   ConsistentFrames Reach() {
     accepted_ = groups_.front();
     for (size_t k = 1; k < groups_.size(); ++k) {
-      if (groups_[k].size() > kByChance) {
+      if (groups_[k].size() > 1) {
         Settle(groups_[k]);
       }
     }
@@ -209,8 +248,6 @@ class Verdict {
   }
 
  private:
-  static constexpr size_t kByChance = 2;  // Frames that agree with each other, but not a group.
-
   // Accepts the group as an island, notes that it is a rival, or passes over it.
   void Settle(const std::vector<size_t>& group) {
     const FrameSet weight = Weigh(frames_, group);
@@ -282,10 +319,16 @@ ConsistentFrames FindConsistentFrames(const std::vector<PosePair>& pairs,
       agreeing.push_back(i);
     }
   }
-  // A size for each pair would excuse runs that are moved along the way.
+  // A size for each pair would excuse runs that are moved along the way, and so would a size that
+  // pairs across a gap tell, if what lies beyond the gap is moved.
+  const double extent_m = std::min(kWindowM, Weigh(frames, agreeing).extent_m);
+  std::vector<size_t> run = LargestRun(frames, agreeing);
+  if (Weigh(frames, run).extent_m < 0.5 * extent_m) {
+    run = agreeing;
+  }
   ConsistencyOptions sized = options;
-  sized.scale_sigma = ScaleSigma(options, std::min(kWindowM, Weigh(frames, agreeing).extent_m));
-  const std::vector<Frame> resized = FramesOf(pairs, sized, ScaleBy(frames, agreeing, kWindowM));
+  sized.scale_sigma = ScaleSigma(options, std::min(kWindowM, Weigh(frames, run).extent_m));
+  const std::vector<Frame> resized = FramesOf(pairs, sized, ScaleBy(frames, run, kWindowM));
   return Verdict(resized, sized).Reach();
 }
 

@@ -41,6 +41,16 @@ struct Walk {
     ecef_from_cam.translation += shift;
     Answer(i, ecef_from_cam);
   }
+  // Keeps the photos of two ranges.
+  void Keep(size_t begin, size_t end, size_t begin_2, size_t end_2) {
+    const auto keep = [&](auto* of_photos) {
+      of_photos->erase(of_photos->begin() + end_2, of_photos->end());
+      of_photos->erase(of_photos->begin() + end, of_photos->begin() + begin_2);
+      of_photos->erase(of_photos->begin(), of_photos->begin() + begin);
+    };
+    keep(&pairs);
+    keep(&in_map);
+  }
   void AnswerAnywhere(size_t i) {
     const Eigen::Vector3d turn(Uniform(-1, 1), Uniform(-1, 1), Uniform(-3, 3));
     Answer(i, {ExpSo3(turn), Eigen::Vector3d(Uniform(0, 200), Uniform(-50, 50), Uniform(-3, 3))});
@@ -219,6 +229,73 @@ TEST(ConsistentFrames, AreNotAnchoredIfAThirdOfALongWalkIsMoved) {
               0)
         << shift_m;
   }
+}
+
+// What lies beyond a gap does not tell the size of the session.
+TEST(ConsistentFrames, AreNotAnchoredByARunThatIsMovedBeyondAGap) {
+  for (const double gap_m : {20.0, 30.0}) {
+    for (int seed = 0; seed < kNumSeeds; ++seed) {
+      Walk walk = WalkOf(seed, 50, 2.0);
+      const size_t after = 20 + static_cast<size_t>(gap_m / 2.0);
+      for (size_t i = after; i < after + 10; ++i) {
+        walk.AnswerShifted(i, {3, 0, 0});
+      }
+      walk.Keep(0, 20, after, after + 10);
+      const Verdict verdict = Judge(walk);
+      EXPECT_TRUE(!verdict.is_anchored || verdict.worst_m < 1.0)
+          << gap_m << " m, seed " << seed << ": " << verdict.worst_m << " m";
+    }
+  }
+}
+
+// The second time around, each photo stands near one of the first time.
+TEST(ConsistentFrames, OfALoopThatClosesAgree) {
+  constexpr double kRadiusM = 32.0;
+  int num_anchored = 0;
+  for (int seed = 0; seed < kNumSeeds; ++seed) {
+    Walk walk = WalkOf(seed);
+    for (size_t i = 0; i < walk.pairs.size(); ++i) {
+      const double angle_rad = 4.0 * kPi * static_cast<double>(i) / kNumFrames;
+      Rigid3d pose = walk.in_map[i].Inverse();
+      pose.translation = kRadiusM * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0);
+      walk.in_map[i] = pose.Inverse();
+      walk.Answer(i, pose);
+      pose.translation += Eigen::Vector3d(3, -2, 2) + walk.Noise(0.05);
+      walk.pairs[i].cam_from_ecef = pose.Inverse();
+    }
+    num_anchored += Judge(walk).is_anchored ? 1 : 0;
+  }
+  EXPECT_EQ(num_anchored, kNumSeeds);
+}
+
+// Differences of positions that are noise tell no size.
+TEST(ConsistentFrames, OfABurstAtOnePlaceAreNotAnchored) {
+  for (int seed = 0; seed < kNumSeeds; ++seed) {
+    Walk walk = WalkOf(seed, 10);
+    Rigid3d place = walk.pairs[0].cam_from_ecef.Inverse();
+    const Eigen::Vector3d center = place.translation;
+    for (size_t i = 0; i < walk.pairs.size(); ++i) {
+      place.translation = center + walk.Noise(0.05);
+      walk.pairs[i].cam_from_ecef = place.Inverse();
+      walk.in_map[i] = walk.in_map[0];
+      walk.AnswerShifted(i, Eigen::Vector3d(30, 0, 0) + walk.Noise(0.2));
+      walk.pairs[i].accuracy_m = 0.37;
+    }
+    EXPECT_FALSE(Judge(walk).is_anchored) << seed;
+  }
+}
+
+// Three against two are no majority.
+TEST(ConsistentFrames, OfASmallWalkAreNotAnchoredIfTwoContradictThree) {
+  int num_anchored = 0;
+  for (int seed = 0; seed < kNumSeeds; ++seed) {
+    Walk walk = WalkOf(seed, 5);
+    for (const size_t i : {0, 2, 4}) {
+      walk.AnswerShifted(i, {1.5, 0, 0});
+    }
+    num_anchored += Judge(walk).is_anchored ? 1 : 0;
+  }
+  EXPECT_EQ(num_anchored, 0);
 }
 
 // Two runs of wrong answers far from the others agree, and right ones between them say otherwise.

@@ -68,6 +68,41 @@ TEST(FrameGroups, AreNotJoinedByAFrameBetweenThem) {
   EXPECT_EQ(GroupFrames(21, RowOf(21, agree)).size(), 2u);
 }
 
+// The seam of distant groups is wider: 60 m where the shortest pair has 40 m.
+TEST(FrameGroups, HaveASeamOfHalfTheirDistance) {
+  const std::vector<FramePair> pairs = {{0, 1, 15.0, true}, {2, 3, 15.0, true}, {1, 2, 40.0, false},
+                                        {0, 2, 55.0, true}, {1, 3, 55.0, true}, {0, 3, 58.0, true}};
+  EXPECT_EQ(GroupFrames(4, pairs), Groups{Range(0, 4)});
+}
+
+TEST(FrameGroups, AreNotJoinedByATie) {
+  EXPECT_EQ(GroupFrames(3, {{0, 1, 1.0, true}, {1, 2, 3.0, true}, {0, 2, 4.0, false}}),
+            (Groups{{0, 1}, {2}}));
+}
+
+TEST(FrameGroups, AreAskedAgainWhenTheyHaveGrown) {
+  EXPECT_EQ(GroupFrames(4, {{0, 1, 3.0, false},
+                            {1, 2, 4.0, true},
+                            {0, 2, 5.0, true},
+                            {2, 3, 5.5, true},
+                            {0, 3, 7.0, true}}),
+            Groups{Range(0, 4)});
+}
+
+// When frame 1 joins the last four, all pairs of frame 0 have been visited.
+TEST(FrameGroups, AreAskedAgainInAnotherRound) {
+  EXPECT_EQ(GroupFrames(6, {{2, 3, 1.0, true},
+                            {2, 4, 1.0, true},
+                            {2, 5, 1.0, true},
+                            {0, 1, 3.0, false},
+                            {0, 2, 5.0, true},
+                            {0, 4, 5.2, true},
+                            {0, 3, 14.0, false},
+                            {0, 5, 14.5, false},
+                            {1, 2, 20.0, true}}),
+            Groups{Range(0, 6)});
+}
+
 TEST(FrameGroups, DoNotDependOnTheOrderOfPairs) {
   const auto agree = [](size_t a, size_t b) { return (a * 7 + b * 5) % 4 != 0; };
   std::vector<FramePair> pairs = RowOf(20, agree);
