@@ -298,7 +298,7 @@ TEST(ConsistentFrames, OfASmallWalkAreNotAnchoredIfTwoContradictThree) {
   EXPECT_EQ(num_anchored, 0);
 }
 
-// Two runs of wrong answers far from the others agree, and right ones between them say otherwise.
+// A run of wrong answers has right ones next to it, and both are far from the others.
 TEST(ConsistentFrames, FarFromTheOthersDoNotCountWhereTheyAreContested) {
   for (int seed = 0; seed < kNumSeeds; ++seed) {
     Walk walk = WalkOf(seed);
