@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "cli/arguments.h"
 #include "cli/height_option.h"
-#include "cli/photo_orientations.h"
+#include "cli/model_photos.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "ingest/place/control_points.h"
@@ -44,16 +45,38 @@ std::vector<std::string> NotesOn(const Reconstruction& reconstruction,
   return notes;
 }
 
+// Takes out the positions that receivers marked as void, and says how many.
+void DropVoid(const Reconstruction& reconstruction, const PhotoExif& exif,
+              std::vector<CameraPosition>* positions, std::vector<std::string>* notes) {
+  std::set<std::string> void_names;
+  for (size_t i = 0; i < exif.gps_is_void.size(); ++i) {
+    if (exif.gps_is_void[i]) {
+      void_names.insert(reconstruction.images[i].name);
+    }
+  }
+  const size_t num_dropped = std::erase_if(*positions, [&](const CameraPosition& position) {
+    return void_names.contains(position.image_name);
+  });
+  if (num_dropped > 0) {
+    notes->push_back(fmt::format(
+        "{} positions that the receiver marked as void (GPSStatus V) are left out", num_dropped));
+  }
+}
+
+// The positions in the database, without those that the photos know to be void.
 std::vector<CameraPosition> GpsOfDatabase(const Reconstruction& reconstruction,
-                                          const ReconstructionArguments& arguments) {
+                                          const ReconstructionArguments& arguments,
+                                          const PhotoExif& exif, std::vector<std::string>* notes) {
   std::vector<CameraPosition> positions = GpsPositions(reconstruction, arguments.gps_accuracy_m);
+  DropVoid(reconstruction, exif, &positions, notes);
   if (positions.empty()) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: none of the {} images has a GPS position here, so the place of "
                             "the model on Earth is unknown. Photos without GPS need known "
                             "positions of three images or more: --georef CSV; or control points: "
-                            "--control CSV; or a model that stands on Earth already: --frame",
-                            arguments.database_path, reconstruction.images.size()));
+                            "--control CSV; or a model that stands on Earth already: --frame{}",
+                            arguments.database_path, reconstruction.images.size(),
+                            notes->empty() ? "" : fmt::format(" ({})", notes->front())));
   }
   return positions;
 }
@@ -171,10 +194,15 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   if (!arguments.control_path.empty()) {
     return PlaceByControl(reconstruction, arguments, options);
   }
+  const std::string folder =
+      arguments.photo_dir.empty()
+          ? FindPhotoFolder(reconstruction, arguments.database_path, arguments.model_dir)
+          : arguments.photo_dir;
+  const PhotoExif exif = folder.empty() ? PhotoExif() : ReadPhotoExif(folder, reconstruction);
   std::vector<std::string> notes;
-  std::vector<CameraPosition> positions = arguments.use_gps
-                                              ? GpsOfDatabase(reconstruction, arguments)
-                                              : PositionsOfTable(reconstruction, arguments, &notes);
+  std::vector<CameraPosition> positions =
+      arguments.use_gps ? GpsOfDatabase(reconstruction, arguments, exif, &notes)
+                        : PositionsOfTable(reconstruction, arguments, &notes);
   if (!arguments.use_gps) {
     const auto note = CompareWithExif(arguments.georef_path, positions,
                                       GpsPositions(reconstruction, arguments.gps_accuracy_m));
@@ -187,13 +215,7 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
       arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel
                                                   : HeightReference::kEllipsoid),
       &positions);
-  const std::string folder =
-      arguments.photo_dir.empty()
-          ? FindPhotoFolder(reconstruction, arguments.database_path, arguments.model_dir)
-          : arguments.photo_dir;
-  const ImageOrientations orientations =
-      folder.empty() ? ImageOrientations() : ReadOrientations(folder, reconstruction);
-  Georegistration result = Georegister(reconstruction, positions, options, orientations);
+  Georegistration result = Georegister(reconstruction, positions, options, exif.orientations);
   result.notes = NotesOn(reconstruction, findings, result);
   std::ranges::move(notes, std::back_inserter(result.notes));
   return result;

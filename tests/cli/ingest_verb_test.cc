@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -11,9 +12,11 @@
 #include <vector>
 
 #include "cli/run_cairn.h"
+#include "eval/pictures/encode_png.h"
 #include "ingest/colmap/write_colmap.h"
 #include "storage/map/map_store.h"
 #include "storage/tile/tile_codec.h"
+#include "support/exif_bytes.h"
 #include "support/reconstruction_builder.h"
 #include "support/temp_dir.h"
 
@@ -171,6 +174,34 @@ TEST_F(IngestVerb, SaysIfAFolderOfPhotosIsNotThatOfTheModel) {
   EXPECT_EQ(other.exit_code, 0) << other.err;
   EXPECT_THAT(other.err,
               ContainsRegex("none of the [0-9]+ photos of the model is among its 1 file"));
+}
+
+// COLMAP stores positions that the receiver marked as void like all others.
+TEST_F(IngestVerb, LeavesOutPositionsThatThePhotosKnowToBeVoid) {
+  Reconstruction reconstruction = StreetWorld(Visit(2)).Reconstruct();
+  const std::vector<uint8_t> png = EncodePng(BlankImage(640, 480));
+  ExifContent content{.lat_deg = 55.0, .lon_deg = 13.0};
+  content.more_gps = {{9, ExifWriter::Text("V")}};
+  const std::vector<uint8_t> with_void = PngWithExifBlock(png, ExifBlock(content));
+  std::filesystem::create_directory(dir_.File("images"));
+  for (size_t i = 0; i < reconstruction.images.size(); ++i) {
+    ReconImage& image = reconstruction.images[i];
+    const std::vector<uint8_t>& photo = i < 5 ? with_void : png;
+    std::ofstream(dir_.File("images/" + image.name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(photo.data()),
+               static_cast<std::streamsize>(photo.size()));
+    if (i < 5) {
+      image.gps = reconstruction.images.front().gps;  // Where there was the last fix.
+    }
+  }
+  WriteColmapModel(reconstruction, dir_.path().string(), ColmapModelFormat::kBinary);
+  WriteColmapDatabase(reconstruction, dir_.File("database.db"), {});
+  const Finished finished = RunCairn({"ingest", NewMap("map.gpkg"), "--model", dir_.path().string(),
+                                      "--database", dir_.File("database.db"), "--gps"});
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_THAT(finished.out,
+              HasSubstr("5 positions that the receiver marked as void (GPSStatus V) are left out"));
+  EXPECT_THAT(finished.out, HasSubstr("5 of 16 photos have no position"));
 }
 
 TEST_F(IngestVerb, SaysThatTooFewPhotosCannotBeJudged) {

@@ -1,4 +1,4 @@
-#include "cli/photo_orientations.h"
+#include "cli/model_photos.h"
 
 #include <fmt/format.h>
 
@@ -57,12 +57,8 @@ int64_t NumFilesIn(const fs::path& folder) {
 }
 
 // The orientation of the pixels in which the model's camera sees the photo, if it is known.
-std::optional<int> OrientationFor(const std::vector<uint8_t>& photo, const Camera& camera) {
-  const ImageHeader header = ParseImageHeader(photo);
-  if (header.exif.empty()) {
-    return std::nullopt;
-  }
-  const int orientation = ReadExif(photo).orientation;
+std::optional<int> OrientationFor(const ImageHeader& header, int orientation,
+                                  const Camera& camera) {
   const bool photo_lies = header.width_px > header.height_px;
   const bool model_lies = camera.width_px() > camera.height_px();
   if (photo_lies == model_lies) {
@@ -105,22 +101,29 @@ void CheckPhotoFolder(const std::string& folder, const Reconstruction& reconstru
   }
 }
 
-ImageOrientations ReadOrientations(const std::string& folder,
-                                   const Reconstruction& reconstruction) {
-  ImageOrientations orientations;
+PhotoExif ReadPhotoExif(const std::string& folder, const Reconstruction& reconstruction) {
+  PhotoExif result;
   for (const ReconImage& image : reconstruction.images) {
-    orientations.emplace_back();
+    result.orientations.emplace_back();
+    result.gps_is_void.push_back(false);
     if (!StaysInside(image.name)) {
       continue;
     }
     try {
-      orientations.back() = OrientationFor(ReadImageBytes((fs::path(folder) / image.name).string()),
-                                           reconstruction.cameras[image.camera_idx]);
+      const std::vector<uint8_t> photo = ReadImageBytes((fs::path(folder) / image.name).string());
+      const ImageHeader header = ParseImageHeader(photo);
+      if (header.exif.empty()) {
+        continue;
+      }
+      const ExifInfo exif = ReadExif(photo);
+      result.orientations.back() =
+          OrientationFor(header, exif.orientation, reconstruction.cameras[image.camera_idx]);
+      result.gps_is_void.back() = exif.gps_is_void;
     } catch (const Error& e) {
       LogDebug("{}: {}", Excerpt(image.name), e.what());
     }
   }
-  return orientations;
+  return result;
 }
 
 }  // namespace cairn

@@ -1,8 +1,9 @@
-// Finds the photos of a reconstruction, to learn from their EXIF how they were held.
-#ifndef CAIRN_CLI_PHOTO_ORIENTATIONS_H_
-#define CAIRN_CLI_PHOTO_ORIENTATIONS_H_
+// Finds the photos of a reconstruction, whose EXIF says more than COLMAP reads.
+#ifndef CAIRN_CLI_MODEL_PHOTOS_H_
+#define CAIRN_CLI_MODEL_PHOTOS_H_
 
 #include <string>
+#include <vector>
 
 #include "core/scene/reconstruction.h"
 #include "ingest/place/georegister.h"
@@ -19,11 +20,18 @@ std::string FindPhotoFolder(const Reconstruction& reconstruction, const std::str
 // numbers of both, if it has none of the reconstruction's photos.
 void CheckPhotoFolder(const std::string& folder, const Reconstruction& reconstruction);
 
-// The orientations of the images whose photos are in `folder` and have EXIF. A photo whose sides
-// are exchanged relative to the camera of the model was turned upright before COLMAP read it, and
-// gets 1. Photos that cannot be read stay without.
-ImageOrientations ReadOrientations(const std::string& folder, const Reconstruction& reconstruction);
+// What the EXIF of photos says, by image of the reconstruction.
+struct PhotoExif {
+  ImageOrientations orientations;
+  std::vector<bool>
+      gps_is_void;  // The receiver marked the position, which COLMAP takes all the same.
+};
+
+// Reads the photos in `folder`. An image without a photo or without EXIF has no orientation. A
+// photo whose sides are exchanged relative to the camera of the model was turned upright before
+// COLMAP read it, and gets orientation 1.
+PhotoExif ReadPhotoExif(const std::string& folder, const Reconstruction& reconstruction);
 
 }  // namespace cairn
 
-#endif  // CAIRN_CLI_PHOTO_ORIENTATIONS_H_
+#endif  // CAIRN_CLI_MODEL_PHOTOS_H_
