@@ -12,7 +12,8 @@ namespace {
 
 struct ColumnNames {
   std::string_view name;
-  std::array<std::string_view, 17> others;  // As Simplified writes them, likely ones first.
+  // As Simplified writes them, likely ones first; names that state the reference before vague ones.
+  std::array<std::string_view, 17> others;
 };
 
 constexpr ColumnNames kColumnNames[] = {
@@ -27,9 +28,9 @@ constexpr ColumnNames kColumnNames[] = {
      {"londeg", "longitude", "gpslongitude", "lon", "lng", "long", "xlongitude", "longitudedeg",
       "longitudedd", "londd"}},
     {"h_m",
-     {"hm", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm",
-      "heightm", "ele", "height", "ellipsoidalheight", "ellipsoidheight", "heightellipsoidal",
-      "hae"}},
+     {"hm", "ellipsoidalheight", "ellipsoidheight", "heightellipsoidal", "hae", "altitude",
+      "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm", "heightm", "ele",
+      "height"}},
     {"accuracy_m",
      {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy", "accuracyhorizontal"}},
     {"lat_ref",

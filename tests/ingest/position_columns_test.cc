@@ -52,6 +52,17 @@ TEST(CameraPositionsOfPrograms, ExiftoolWritesNumbers) {
   ExpectPosition(positions[0], "./01.jpg", 55.6981666666667, -13.1953888888889, 37.5);
 }
 
+// Survey receivers write the height above the sea as well.
+TEST(CameraPositionsOfPrograms, AHeightThatNamesTheEllipsoidCountsBeforeVagueOnes) {
+  for (const std::string header :
+       {"Name,Elevation,Longitude,Latitude,Ellipsoidal height", "Name,altitude,lon,lat,HAE",
+        "Name,height (m),lon,lat,ellipsoid_height"}) {
+    const auto positions = Read(header + "\n01.jpg,37.0,13.195,55.698,72.7\n");
+    ASSERT_EQ(positions.size(), 1u) << header;
+    ExpectPosition(positions[0], "01.jpg", 55.698, 13.195, 72.7);
+  }
+}
+
 TEST(CameraPositionsOfPrograms, ExiftoolWritesDegreesAndMinutes) {
   const auto positions = Read(
       "SourceFile,EXIF:GPSAltitude,GPSLatitude,GPSLongitude\n"
