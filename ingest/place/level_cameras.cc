@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "ingest/place/find_up.h"
@@ -40,12 +41,33 @@ std::optional<PictureUp> StatedByUser(UpSource source) {
   }
 }
 
-UpView ViewOf(const ReconImage& image, const std::optional<int>& orientation,
+// The orientation whose down is this axis of the picture; nothing if it is none. COLMAP 4 states
+// the EXIF orientation of a photo as its gravity. No sensor feels exactly an axis.
+std::optional<int> OrientationInGravity(const Eigen::Vector3d& down_in_cam) {
+  constexpr double kExact = 1e-9;
+  const std::pair<int, Eigen::Vector3d> downs[] = {{1, Eigen::Vector3d::UnitY()},
+                                                   {3, -Eigen::Vector3d::UnitY()},
+                                                   {6, Eigen::Vector3d::UnitX()},
+                                                   {8, -Eigen::Vector3d::UnitX()}};
+  for (const auto& [orientation, down] : downs) {
+    if ((down_in_cam - down).norm() < kExact) {
+      return orientation;
+    }
+  }
+  return std::nullopt;
+}
+
+UpView ViewOf(const ReconImage& image, std::optional<int> orientation,
               const std::optional<PictureUp>& by_user, double trust) {
   UpView view;
   view.cam_from_world = image.cam_from_world.rotation;
   if (image.down_in_cam) {
-    view.up_in_cam = -*image.down_in_cam;
+    const std::optional<int> stated = OrientationInGravity(*image.down_in_cam);
+    if (!stated) {
+      view.up_in_cam = -*image.down_in_cam;
+    } else if (!orientation) {
+      orientation = stated;
+    }
   }
   if (by_user) {
     view.stated = by_user;

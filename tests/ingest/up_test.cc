@@ -110,6 +110,27 @@ TEST(WhichWayIsUp, GravityOfThePhotosTells) {
   }
 }
 
+// COLMAP 4 writes the EXIF orientation as gravity. Programs turn pixels and leave the orientation.
+TEST(WhichWayIsUp, GravityThatIsAnAxisOfThePictureIsItsExifOrientation) {
+  const std::pair<int, Eigen::Vector3d> axes[] = {{1, Eigen::Vector3d::UnitY()},
+                                                  {3, -Eigen::Vector3d::UnitY()},
+                                                  {6, Eigen::Vector3d::UnitX()},
+                                                  {8, -Eigen::Vector3d::UnitX()}};
+  for (const auto& [orientation, down_in_cam] : axes) {
+    const Walk walk = MakeWalk({.bend_rad = 0.8});
+    const ImageOrientations orientations(walk.reconstruction.images.size(), orientation);
+    const UpReport by_exif = Georegister(walk.reconstruction, walk.positions, {}, orientations).up;
+    Walk by_colmap = walk;
+    for (ReconImage& image : by_colmap.reconstruction.images) {
+      image.down_in_cam = down_in_cam;
+    }
+    const UpReport up = Georegister(by_colmap.reconstruction, by_colmap.positions, {}).up;
+    EXPECT_EQ(up.source, by_exif.source) << orientation;
+    EXPECT_EQ(up.num_images, by_exif.num_images);
+    EXPECT_EQ(up.num_images[0], 27) << "the walk is held upright whatever the orientation says";
+  }
+}
+
 TEST(WhichWayIsUp, ADroneThatLooksDownIsRightOnABentFlight) {
   EXPECT_THAT(OutcomesOf({.bend_rad = 1.2, .pitch_rad = -1.5, .has_facades = false}),
               Each("right"));
