@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/answer/refine_by_shapes.h"
 #include "engine/pose/estimate_pose.h"
 #include "engine/pose/focal_refinement.h"
 #include "engine/pose/focal_search.h"
@@ -114,6 +115,7 @@ PoseHypothesis RefineWinner(const QueryContext& query, const LocalizeQuery& stat
       RefineOnLikelyInliers(query, *refined.correspondences, std::move(refined.estimate), options);
   // The floor comes last: the camera is judged by two evidences of the same matches.
   refined = RefinedWithCamera(query, stated, std::move(refined), options);
+  refined = RefineByShapes(query, stated, tiles, std::move(refined), options);
   if (is_sure) {
     refined.estimate.evidence = std::max(refined.estimate.evidence, found_evidence);
   }

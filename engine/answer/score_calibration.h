@@ -24,8 +24,8 @@ struct ScoreCalibration {
   double false_alarm_start = -20.0;
   // Factors on the standard deviations that the matches predict, chosen so that 68 % of the truths
   // lie within the radii. Positive.
-  double position_accuracy_factor = 1.35;
-  double rotation_accuracy_factor = 1.35;
+  double position_accuracy_factor = 1.2;
+  double rotation_accuracy_factor = 1.3;
   // How far a map that does not know it is from its true place on Earth: a 68 % radius, meters, not
   // negative. Maps made since sessions keep their accuracy (SessionAccuracy) know it.
   double map_accuracy_m = 0.28;

@@ -106,18 +106,9 @@ std::vector<PoseObservation> ObservationsOf(const QueryContext& query,
   std::vector<PoseObservation> observations;
   observations.reserve(indices.size());
   for (const int index : indices) {
-    const Correspondence& correspondence = correspondences[index];
-    observations.push_back({PixelOf(query, correspondence), correspondence.x_in_anchor,
-                            correspondence.sigma_m,
-                            query.CameraIdxOf(correspondence.keypoint_idx)});
+    observations.push_back(ObservationOf(query, correspondences[index]));
   }
   return observations;
-}
-
-RefinePoseOptions RefinementOf(const PoseOptions& options) {
-  RefinePoseOptions refine_options;
-  refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
-  return refine_options;
 }
 
 // Returns the logarithm of the volume of a Gaussian, sqrt(det(2 pi covariance)).
@@ -158,6 +149,28 @@ void FillEstimate(const QueryContext& query, const std::vector<Correspondence>& 
 }
 
 }  // namespace
+
+PoseObservation ObservationOf(const QueryContext& query, const Correspondence& correspondence) {
+  return {PixelOf(query, correspondence), correspondence.x_in_anchor, correspondence.sigma_m,
+          query.CameraIdxOf(correspondence.keypoint_idx)};
+}
+
+RefinePoseOptions RefinementOf(const PoseOptions& options) {
+  RefinePoseOptions refine_options;
+  refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
+  return refine_options;
+}
+
+std::vector<int> LikelyInliers(const PoseEstimate& estimate) {
+  constexpr double kLikely = 0.5;
+  std::vector<int> likely;
+  for (size_t i = 0; i < estimate.inliers.size(); ++i) {
+    if (estimate.right_probabilities[i] >= kLikely) {
+      likely.push_back(estimate.inliers[i]);
+    }
+  }
+  return likely;
+}
 
 std::optional<PoseEstimate> EstimatePose(const QueryContext& query,
                                          const std::vector<Correspondence>& correspondences,
@@ -232,14 +245,8 @@ PoseEstimate RefineOnLikelyInliers(const QueryContext& query,
                                    const std::vector<Correspondence>& correspondences,
                                    PoseEstimate estimate, const PoseOptions& options) {
   constexpr int kMaxRounds = 3;
-  constexpr double kLikely = 0.5;
   for (int round = 0; round < kMaxRounds; ++round) {
-    std::vector<int> likely;
-    for (size_t i = 0; i < estimate.inliers.size(); ++i) {
-      if (estimate.right_probabilities[i] >= kLikely) {
-        likely.push_back(estimate.inliers[i]);
-      }
-    }
+    const std::vector<int> likely = LikelyInliers(estimate);
     if (static_cast<int>(likely.size()) < options.min_inliers ||
         likely.size() == estimate.inliers.size()) {
       return estimate;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/pose/pose_options.h"
+#include "engine/pose/refine_pose.h"
 #include "engine/query/pose_candidate.h"
 #include "engine/query/query_context.h"
 
@@ -36,13 +37,20 @@ std::optional<PoseEstimate> RefineEstimate(const QueryContext& query,
                                            const std::vector<Correspondence>& correspondences,
                                            PoseEstimate estimate, const PoseOptions& options);
 
+// Returns the inliers that are right with a probability of one half at least
+// (PoseEstimate::right_probabilities).
+std::vector<int> LikelyInliers(const PoseEstimate& estimate);
+
 // Refines an estimate of the functions above on its likely inliers, then gathers inliers again, and
-// repeats while the evidence grows. Likely inliers are those with a right_probability above one
-// half (PoseEstimate::right_probabilities). Other inliers often agree with the pose by chance and
-// pull it off.
+// repeats while the evidence grows. Other inliers often agree with the pose by chance and pull it
+// off.
 PoseEstimate RefineOnLikelyInliers(const QueryContext& query,
                                    const std::vector<Correspondence>& correspondences,
                                    PoseEstimate estimate, const PoseOptions& options);
+
+// What RefinePose is told of a correspondence, and its options.
+PoseObservation ObservationOf(const QueryContext& query, const Correspondence& correspondence);
+RefinePoseOptions RefinementOf(const PoseOptions& options);
 
 }  // namespace cairn
 

@@ -18,14 +18,10 @@ RefinedCamera RefineCameraOnInliers(const QueryContext& query,
   std::vector<PoseObservation> observations;
   observations.reserve(estimate.inliers.size());
   for (const int inlier : estimate.inliers) {
-    const Correspondence& match = correspondences[inlier];
-    const Keypoint& keypoint = query.keypoints[match.keypoint_idx];
-    observations.push_back({{keypoint.x_px, keypoint.y_px}, match.x_in_anchor, match.sigma_m});
+    observations.push_back(ObservationOf(query, correspondences[inlier]));
   }
-  RefinePoseOptions refine_options;
-  refine_options.keypoint_sigma_px = options.keypoint_sigma_px;
   return RefineCamera(prior, query.camera, observations, MakeGravityPrior(query, options),
-                      estimate.cam_from_anchor, refine_options);
+                      estimate.cam_from_anchor, RefinementOf(options));
 }
 
 }  // namespace
@@ -87,8 +83,9 @@ AnsweredCamera RefineAnswer(const QueryContext& query,
   if (refined) {
     return {std::move(refined->estimate), std::move(refined->camera)};
   }
-  if (near.focal_significance > kSuspicious) {
-    estimate.covariance = near.covariance;  // The camera is kept, but not beyond doubt.
+  estimate.doubts_camera = near.focal_significance > kSuspicious;
+  if (estimate.doubts_camera) {
+    estimate.covariance = near.covariance;
   }
   return {std::move(estimate), std::nullopt};
 }

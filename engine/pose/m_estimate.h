@@ -11,6 +11,11 @@ namespace cairn {
 // Residual of an observation that does not project, in standard deviations.
 inline constexpr double kGrossError = 100.0;
 
+// Neighboring photos place the keypoints of a patch alike, so the distances of all landmarks that
+// were triangulated from them err alike, too: by this share of their standard deviations, which no
+// number of landmarks averages out. Fitted to real photos (docs/decisions/0080).
+inline constexpr double kCommonDistanceShare = 0.1;
+
 // Compares the residuals of an estimate with their standard deviations. Residuals r are in standard
 // deviations; w is the robust weight.
 struct ResidualSpread {

@@ -11,6 +11,7 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
+#include "engine/query/landmark_shape.h"
 
 namespace cairn {
 
@@ -44,6 +45,23 @@ inline std::optional<Eigen::Vector2d> ProjectLandmark(
   }
   return pixel;
 }
+
+// The error of a reprojection, as the landmark's error and the keypoint's make it.
+struct ErrorShape {
+  // W with W'W = s^2 (s^2 I + A P A')^-1, for a landmark whose position has the covariance P and a
+  // keypoint with the standard deviation s per axis. W times the error has the standard deviation
+  // s along every axis.
+  Eigen::Matrix2d whitening;
+  // W times what LandmarkShape::by_distance_m moves the pixel, pixels.
+  Eigen::Vector2d by_distance_px;
+};
+
+// Nothing if the landmark does not project. The shape changes little while a pose is refined, so it
+// is found once, at the initial pose.
+std::optional<ErrorShape> ErrorShapeAt(const PosedCamera& camera,
+                                       const Eigen::Vector3d& x_in_anchor,
+                                       const LandmarkShape& shape_in_anchor,
+                                       double keypoint_sigma_px);
 
 // Returns the Jacobian of the pixel with respect to the pose of a rig, which rotates about a
 // center. `from_center` is the vector from that center to the landmark, anchor frame.

@@ -40,6 +40,7 @@ struct Spread {
   Matrix8d information = Matrix8d::Zero();  // Sum of J'J of the reprojections alone.
   Eigen::Matrix<double, kNumParams, 2> by_principal_point =
       Eigen::Matrix<double, kNumParams, 2>::Zero();  // Sum of J' times the principal point's.
+  Vector8d by_distance = Vector8d::Zero();           // Sum of J'd, of ErrorShape::by_distance_px.
   ResidualSpread residuals;
 };
 
@@ -80,8 +81,8 @@ struct Problem {
     return jacobian;
   }
 
-  // Calls visit(jacobian, residual_px, information) for each observation that projects; returns the
-  // number of those that do not.
+  // Calls visit(jacobian, residual_px, shape, information) for each observation that projects;
+  // returns the number of those that do not. The first two are white by the shape.
   template <typename Visit>
   int ForEachProjected(const State& state, const Visit& visit) const {
     const Camera camera = CameraOf(state);
@@ -95,11 +96,15 @@ struct Problem {
         continue;
       }
       const Eigen::Vector3d from_center = observation.x_in_anchor - posed.center_in_anchor;
-      visit(PixelJacobian(camera, *pixel, pixel_by_anchor, from_center,
-                          posed.cam_from_anchor * from_center),
-            Eigen::Vector2d(*pixel - observation.pixel),
-            ReprojectionInformation(Weights(), camera.focal_px() * observation.sigma_m,
-                                    from_center.squaredNorm()));
+      const Jacobian8d jacobian = PixelJacobian(camera, *pixel, pixel_by_anchor, from_center,
+                                                posed.cam_from_anchor * from_center);
+      const double landmark_px_m =
+          observation.error_shape ? 0.0 : camera.focal_px() * observation.sigma_m;
+      const ErrorShape shape = observation.error_shape.value_or(
+          ErrorShape{Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero()});
+      visit(Jacobian8d(shape.whitening * jacobian),
+            Eigen::Vector2d(shape.whitening * (*pixel - observation.pixel)), shape,
+            ReprojectionInformation(Weights(), landmark_px_m, from_center.squaredNorm()));
     }
     return num_others;
   }
@@ -128,9 +133,9 @@ struct Problem {
     Linearization system;
     const ResidualWeights weights = Weights();
     const double sq_scale = kCauchyScale * kCauchyScale;
-    const int num_gross = ForEachProjected(
-        state,
-        [&](const Jacobian8d& jacobian, const Eigen::Vector2d& residual, double information) {
+    const int num_gross =
+        ForEachProjected(state, [&](const Jacobian8d& jacobian, const Eigen::Vector2d& residual,
+                                    const ErrorShape& /*shape*/, double information) {
           const double sq_residual = information * residual.squaredNorm();
           const double weight = information * RobustWeight(weights, sq_residual);
           system.normal.noalias() += weight * jacobian.transpose() * jacobian;
@@ -146,12 +151,13 @@ struct Problem {
     const ResidualWeights weights = Weights();
     Spread spread;
     ForEachProjected(state, [&](const Jacobian8d& jacobian, const Eigen::Vector2d& residual,
-                                double information) {
+                                const ErrorShape& shape, double information) {
       const double sq_residual = information * residual.squaredNorm();
       const double sq_robust = std::pow(RobustWeight(weights, sq_residual), 2);
       spread.information.noalias() += information * jacobian.transpose() * jacobian;
       // A principal point moves all pixels alike.
-      spread.by_principal_point.noalias() += information * jacobian.transpose();
+      spread.by_principal_point.noalias() += information * jacobian.transpose() * shape.whitening;
+      spread.by_distance.noalias() += information * jacobian.transpose() * shape.by_distance_px;
       spread.residuals.sum_sq_weight += sq_robust;
       spread.residuals.sum_sq_weighted += sq_robust * sq_residual;
     });
@@ -174,12 +180,13 @@ struct Problem {
     return 0.5 * (covariance + covariance.transpose());
   }
 
-  // Returns what a wrong principal point adds to a covariance. It is not estimated, so its whole
-  // error moves the pose.
-  Matrix8d ByPrincipalPoint(const Spread& spread, double scale, const Matrix8d& covariance) const {
+  // Returns what a wrong principal point, and distances that err alike, add to a covariance. They
+  // are not estimated, so their whole errors move the pose.
+  Matrix8d ByCommonErrors(const Spread& spread, double scale, const Matrix8d& covariance) const {
     const double sigma_px = prior.principal_point_sigma * LongSidePx(prior.camera);
-    const Eigen::Matrix<double, kNumParams, 2> moved =
-        covariance * spread.by_principal_point * (sigma_px / scale);
+    Eigen::Matrix<double, kNumParams, 3> moved;
+    moved << sigma_px * spread.by_principal_point, kCommonDistanceShare * spread.by_distance;
+    moved = covariance * moved / scale;
     return moved * moved.transpose();
   }
 };
@@ -254,7 +261,7 @@ RefinedCamera RefineCamera(const CameraPrior& prior, const Camera& initial_camer
   AddPull(pull, &judged);
   refined.focal_log_sigma = std::sqrt(judged(kFocal, kFocal));
   Matrix8d covariance = problem.Covariance(state, spread, scale);
-  covariance += problem.ByPrincipalPoint(spread, scale, covariance);
+  covariance += problem.ByCommonErrors(spread, scale, covariance);
   AddPull(pull, &covariance);
   refined.covariance = covariance.topLeftCorner<6, 6>();
   return refined;

@@ -18,6 +18,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 struct Spread {
   Matrix6d information = Matrix6d::Zero();          // Sum of J'J of the reprojections alone.
   Matrix6d gravity_information = Matrix6d::Zero();  // J'J of the gravity prior.
+  PoseTangent by_distance = PoseTangent::Zero();    // Sum of J'd, of ErrorShape::by_distance_px.
   ResidualSpread residuals;
 };
 
@@ -31,8 +32,9 @@ struct Problem {
 
   ResidualWeights Weights() const { return {.keypoint_sigma_px = options.keypoint_sigma_px}; }
 
-  // Calls visit(pixel_by_anchor, from_center, residual_px, landmark_px_m) for each observation that
-  // projects, with the arguments of NormalEquations::Add. Returns the number of those that do not.
+  // Calls visit(observation, pixel_by_anchor, from_center, residual_px, landmark_px_m) for each
+  // observation that projects; the last four are the arguments of NormalEquations::Add. Returns the
+  // number of those that do not.
   template <typename Visit>
   int ForEachProjected(const Rigid3d& anchor_from_cam, const Visit& visit) const {
     const PosedCamera first(camera, anchor_from_cam);
@@ -50,8 +52,15 @@ struct Problem {
         ++num_others;
         continue;
       }
-      visit(pixel_by_anchor, observation.x_in_anchor - first.center_in_anchor,
-            *pixel - observation.pixel, own.camera->focal_px() * observation.sigma_m);
+      const Eigen::Vector3d from_center = observation.x_in_anchor - first.center_in_anchor;
+      const Eigen::Vector2d residual_px = *pixel - observation.pixel;
+      if (observation.error_shape) {
+        const Eigen::Matrix2d& whitening = observation.error_shape->whitening;
+        visit(observation, whitening * pixel_by_anchor, from_center, whitening * residual_px, 0.0);
+      } else {
+        visit(observation, pixel_by_anchor, from_center, residual_px,
+              own.camera->focal_px() * observation.sigma_m);
+      }
     }
     return num_others;
   }
@@ -60,7 +69,9 @@ struct Problem {
   NormalSystem<6> Linearize(const Rigid3d& anchor_from_cam) const {
     NormalEquations equations(Weights());
     const int num_gross = ForEachProjected(
-        anchor_from_cam, [&](const auto&... projected) { equations.Add(projected...); });
+        anchor_from_cam, [&](const PoseObservation& /*observation*/, const auto&... projected) {
+          equations.Add(projected...);
+        });
     const NormalEquations::Sums sums = equations.Finish();
     NormalSystem<6> system = {sums.normal, sums.gradient, sums.cost};
     const double sq_scale = kCauchyScale * kCauchyScale;
@@ -80,7 +91,8 @@ struct Problem {
   Spread SpreadAt(const Rigid3d& anchor_from_cam) const {
     Spread spread;
     const ResidualWeights weights = Weights();
-    ForEachProjected(anchor_from_cam, [&](const Eigen::Matrix<double, 2, 3>& pixel_by_anchor,
+    ForEachProjected(anchor_from_cam, [&](const PoseObservation& observation,
+                                          const Eigen::Matrix<double, 2, 3>& pixel_by_anchor,
                                           const Eigen::Vector3d& from_center,
                                           const Eigen::Vector2d& residual, double landmark_px_m) {
       const double information =
@@ -89,6 +101,10 @@ struct Problem {
       const double sq_robust = std::pow(RobustWeight(weights, sq_residual), 2);
       const auto jacobian = ReprojectionJacobian(pixel_by_anchor, from_center);
       spread.information += information * jacobian.transpose() * jacobian;
+      if (observation.error_shape) {
+        spread.by_distance +=
+            information * jacobian.transpose() * observation.error_shape->by_distance_px;
+      }
       spread.residuals.sum_sq_weight += sq_robust;
       spread.residuals.sum_sq_weighted += sq_robust * sq_residual;
     });
@@ -103,11 +119,12 @@ struct Problem {
 };
 
 Matrix6d Covariance(const Spread& spread, double num_observations) {
-  const Matrix6d total =
-      spread.information / spread.residuals.CovarianceScale(num_observations, 6) +
-      spread.gravity_information + Matrix6d(InformationFloor().asDiagonal());
+  const double scale = spread.residuals.CovarianceScale(num_observations, 6);
+  const Matrix6d total = spread.information / scale + spread.gravity_information +
+                         Matrix6d(InformationFloor().asDiagonal());
   const Matrix6d covariance = total.ldlt().solve(Matrix6d::Identity());
-  return 0.5 * (covariance + covariance.transpose());
+  const PoseTangent by_distance = kCommonDistanceShare / scale * covariance * spread.by_distance;
+  return 0.5 * (covariance + covariance.transpose()) + by_distance * by_distance.transpose();
 }
 
 }  // namespace

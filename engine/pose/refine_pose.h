@@ -9,6 +9,7 @@
 
 #include "core/camera.h"
 #include "core/rigid3.h"
+#include "engine/pose/pose_residuals.h"
 #include "engine/query/query_context.h"
 
 namespace cairn {
@@ -19,6 +20,8 @@ struct PoseObservation {
   Eigen::Vector3d x_in_anchor;
   double sigma_m = 0.0;  // Standard deviation of the landmark per axis.
   int camera_idx = 0;    // 0 is `camera` of RefinePose, i is other_cameras[i - 1].
+  // If set, it weighs the error, and sigma_m does not count.
+  std::optional<ErrorShape> error_shape = {};
 };
 
 // A measured direction of gravity.
@@ -42,10 +45,11 @@ struct RefinedPose {
 
 // Minimizes the Cauchy-robust reprojection errors in the true (distorted) image plus the squared
 // gravity residual, by Levenberg-Marquardt from `initial_cam_from_anchor`. Each reprojection error
-// is weighted by 1 / (keypoint_sigma_px^2 + (focal * sigma_m / distance)^2). An observation that
-// does not project counts as a gross outlier. Works for any number of observations, in linear time.
-// With fewer than three observations (two with gravity), the pose stays at or near the initial pose
-// in the free directions. For a rig, the pose is that of `camera`, and all cameras move with it.
+// is weighted by 1 / (keypoint_sigma_px^2 + (focal * sigma_m / distance)^2), or by its error_shape.
+// An observation that does not project counts as a gross outlier. Works for any number of
+// observations, in linear time. With fewer than three observations (two with gravity), the pose
+// stays at or near the initial pose in the free directions. For a rig, the pose is that of
+// `camera`, and all cameras move with it.
 RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>& observations,
                        const std::optional<GravityPrior>& gravity,
                        const Rigid3d& initial_cam_from_anchor, const RefinePoseOptions& options,
@@ -54,8 +58,9 @@ RefinedPose RefinePose(const Camera& camera, const std::vector<PoseObservation>&
 // Returns the covariance of a refined pose, as LocalizeResult::covariance. The arguments are those
 // of RefinePose. keypoint_sigma_px and sigma_m weigh the observations against each other; how large
 // the errors are, the residuals tell (robustly measured), and the part of the reprojections is
-// scaled accordingly. A direction that the observations
-// leave free gets a large finite variance (about 3 rad, 1 km).
+// scaled accordingly. Distances that err alike (ErrorShape::by_distance_px) add what they do to the
+// pose. A direction that the observations leave free gets a large finite variance (about 3 rad, 1
+// km).
 Eigen::Matrix<double, 6, 6> PoseCovariance(const Camera& camera,
                                            const std::vector<PoseObservation>& observations,
                                            const std::optional<GravityPrior>& gravity,

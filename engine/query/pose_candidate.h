@@ -37,6 +37,8 @@ struct PoseEstimate {
   // Logarithm of the share of the camera's prior that explains the inliers about as well; 0 if the
   // camera was not estimated.
   double log_camera_share = 0.0;
+  // The inliers doubt the query's camera, which is kept; the covariance includes the doubt.
+  bool doubts_camera = false;
   int num_iterations = 0;  // Of RANSAC.
 };
 

@@ -91,5 +91,34 @@ TEST(PerturbPose, StandsOnTheLeft) {
   EXPECT_LT(RotationAngleRad(moved.rotation, ExpSo3({0, 0, 0.1}) * kAnchorFromCam.rotation), 1e-9);
 }
 
+TEST(ErrorShapeAt, MakesErrorsOfLandmarkAndKeypointRound) {
+  Eigen::Matrix3d root;
+  root << 0.3, 0.0, 0.1, 0.0, 0.05, 0.0, 0.2, 0.0, 0.4;
+  const LandmarkShape landmark = {root * root.transpose(), {0.3, 0.0, 0.2}};
+  constexpr double kSigmaPx = 0.7;
+  for (const Camera& camera : testing::OneCameraPerModel()) {
+    const PosedCamera posed(camera, kAnchorFromCam);
+    const Vector3d x_in_anchor = kAnchorFromCam * Vector3d(0.5, -0.8, 6.0);
+    Eigen::Matrix<double, 2, 3> pixel_by_anchor;
+    ASSERT_TRUE(ProjectLandmark(posed, x_in_anchor, &pixel_by_anchor));
+    const auto shape = ErrorShapeAt(posed, x_in_anchor, landmark, kSigmaPx);
+    ASSERT_TRUE(shape);
+    const Eigen::Matrix2d of_error =
+        kSigmaPx * kSigmaPx * Eigen::Matrix2d::Identity() +
+        pixel_by_anchor * landmark.covariance_sq_m * pixel_by_anchor.transpose();
+    const Eigen::Matrix2d white = shape->whitening * of_error * shape->whitening.transpose();
+    EXPECT_LT((white - kSigmaPx * kSigmaPx * Eigen::Matrix2d::Identity()).norm(), 1e-9);
+    EXPECT_LT((shape->by_distance_px - shape->whitening * pixel_by_anchor * landmark.by_distance_m)
+                  .norm(),
+              1e-12);
+  }
+}
+
+TEST(ErrorShapeAt, IsNothingBehindTheCamera) {
+  EXPECT_FALSE(ErrorShapeAt(PosedCamera(Camera(), kAnchorFromCam),
+                            kAnchorFromCam * Vector3d(0.1, 0.2, -5.0),
+                            {Eigen::Matrix3d::Identity()}, 1.0));
+}
+
 }  // namespace
 }  // namespace cairn

@@ -7,6 +7,7 @@
 
 #include "engine/pose/estimate_pose.h"
 #include "engine/pose/pose_ransac_problem.h"
+#include "engine/pose/pose_residuals.h"
 #include "support/cameras.h"
 #include "support/pose_scene.h"
 
@@ -178,6 +179,32 @@ TEST(RefineCamera, StaysWithinThePriorAtAFlatWall) {
   EXPECT_LT(std::abs(LogFocalError(refined, camera)), 0.02);
   EXPECT_LT(refined.focal_disagreement, 3.0);
   EXPECT_NEAR(std::sqrt(refined.covariance(5, 5)), 0.1 * kDistanceM, 0.3);
+}
+
+// Landmarks whose distance from the camera is uncertain say as much of the focal length as exact
+// ones: their errors do not show.
+TEST(RefineCamera, WeighsTheErrorsOfLandmarksByTheirShapes) {
+  const PoseScene scene = MakePoseScene(CameraScene(3));
+  const Camera& camera = scene.query.camera;
+  const PosedCamera posed(camera, scene.cam_from_anchor.Inverse());
+  std::vector<PoseObservation> observations = ObservationsOf(scene);
+  const auto focal_sigma = [&] {
+    return RefineCamera(PriorOff(camera, 1.0, 0.1), camera, observations, std::nullopt,
+                        scene.cam_from_anchor, {})
+        .focal_log_sigma;
+  };
+  const double exact = focal_sigma();
+  for (PoseObservation& observation : observations) {
+    const Eigen::Vector3d ray = observation.x_in_anchor - posed.center_in_anchor;
+    observation.sigma_m = 0.05 * ray.norm() / std::sqrt(3.0);
+    observation.error_shape =
+        ErrorShapeAt(posed, observation.x_in_anchor, {0.05 * 0.05 * ray * ray.transpose()}, 1.0);
+  }
+  EXPECT_NEAR(focal_sigma() / exact, 1.0, 0.01);
+  for (PoseObservation& observation : observations) {
+    observation.error_shape.reset();
+  }
+  EXPECT_GT(focal_sigma(), 3.0 * exact);
 }
 
 }  // namespace

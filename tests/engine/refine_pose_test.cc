@@ -215,5 +215,78 @@ TEST(RefinePose, CovarianceGrowsWhenNoiseWasTakenTooSmall) {
   EXPECT_NEAR(trace(optimistic) / trace(right), 1.0, 0.5);
 }
 
+// Landmarks that a mapping camera 3 m beside the query's saw: 5 % of their distance off, along its
+// rays, independently and, by `common_sigmas` standard deviations, all alike.
+std::vector<PoseObservation> OffAlongRays(const PoseScene& scene, bool knows_shapes,
+                                          double common_sigmas = 0.0) {
+  const Rigid3d anchor_from_cam = scene.cam_from_anchor.Inverse();
+  const Eigen::Vector3d mapped_from = anchor_from_cam * Eigen::Vector3d(3.0, 0.0, 0.0);
+  const PosedCamera camera(scene.query.camera, anchor_from_cam);
+  std::vector<PoseObservation> observations = Observations(scene);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  for (PoseObservation& observation : observations) {
+    const Eigen::Vector3d ray = observation.x_in_anchor - mapped_from;
+    const double sigma_m = 0.05 * ray.norm();
+    observation.x_in_anchor += (normal(random) + common_sigmas) * sigma_m * ray.normalized();
+    observation.sigma_m = sigma_m / std::sqrt(3.0);
+    if (knows_shapes) {
+      observation.error_shape = ErrorShapeAt(
+          camera, observation.x_in_anchor, {0.05 * 0.05 * ray * ray.transpose(), 0.05 * ray}, 1.0);
+    }
+  }
+  return observations;
+}
+
+TEST(RefinePose, WeighsTheErrorsOfLandmarksByTheirShapes) {
+  constexpr int kNumRuns = 100;
+  double round_m = 0.0, shaped_m = 0.0, sum_sq = 0.0;
+  for (int run = 0; run < kNumRuns; ++run) {
+    PoseSceneOptions options = InliersOnly(80);
+    options.pixel_noise_px = 1.0;
+    options.seed = 10 + run;
+    const PoseScene scene = MakePoseScene(options);
+    const Camera& camera = scene.query.camera;
+    const auto refine = [&](const std::vector<PoseObservation>& observations) {
+      return RefinePose(camera, observations, std::nullopt, scene.cam_from_anchor, {})
+          .cam_from_anchor;
+    };
+    round_m += CenterErrorM(refine(OffAlongRays(scene, false)), scene.cam_from_anchor);
+    const auto observations = OffAlongRays(scene, true);
+    const Rigid3d refined = refine(observations);
+    shaped_m += CenterErrorM(refined, scene.cam_from_anchor);
+    const Eigen::Vector3d error = refined.Inverse().translation - scene.center_in_anchor();
+    sum_sq += error.dot(PoseCovariance(camera, observations, std::nullopt, refined, {})
+                            .bottomRightCorner<3, 3>()
+                            .inverse() *
+                        error);
+  }
+  EXPECT_LT(shaped_m, 0.6 * round_m);
+  EXPECT_NEAR(sum_sq / kNumRuns, 3.0, 1.2);
+}
+
+// The covariance holds what a common error of distances does to the pose, however many landmarks
+// there are.
+TEST(RefinePose, CovarianceIncludesThatDistancesErrAlike) {
+  double sum_sq = 0.0;
+  constexpr int kNumRuns = 100;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0.0, 0.1);
+  for (int run = 0; run < kNumRuns; ++run) {
+    PoseSceneOptions options = InliersOnly(2000);
+    options.pixel_noise_px = 1.0;
+    options.seed = 10 + run;
+    const PoseScene scene = MakePoseScene(options);
+    const Camera& camera = scene.query.camera;
+    const auto observations = OffAlongRays(scene, true, normal(random));
+    const Rigid3d refined =
+        RefinePose(camera, observations, std::nullopt, scene.cam_from_anchor, {}).cam_from_anchor;
+    const Eigen::Vector3d error = refined.Inverse().translation - scene.center_in_anchor();
+    const auto covariance = PoseCovariance(camera, observations, std::nullopt, refined, {});
+    sum_sq += error.dot(covariance.bottomRightCorner<3, 3>().inverse() * error);
+  }
+  EXPECT_NEAR(sum_sq / kNumRuns, 3.0, 1.2);
+}
+
 }  // namespace
 }  // namespace cairn
