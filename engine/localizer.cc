@@ -11,10 +11,12 @@
 #include "core/shared_workers.h"
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"
+#include "engine/camera_of_this_size.h"
 #include "engine/empty_result.h"
 #include "engine/explain_miss.h"
 #include "engine/place_answers.h"
 #include "engine/places/place_catalog.h"
+#include "engine/pose/focal_search.h"
 #include "engine/query/build_query_context.h"
 #include "engine/query/query_budget.h"
 #include "engine/search.h"
@@ -104,6 +106,35 @@ LocalizeResult Conclude(const LocalizeQuery& query, const Search& search,
   };
   return ConcludeAnswer(search.context(), search.tiles(), search.hypotheses().all(), options.answer,
                         refine, std::move(result));
+}
+
+// Localizes with the stated camera and, if its parameters look like those of another size of the
+// picture, with the camera that they would be then. The answer with the higher score counts; that
+// of the other camera says that the focal length disagrees.
+LocalizeResult WithEitherCamera(
+    const LocalizeQuery& query,
+    const std::function<LocalizeResult(const LocalizeQuery&)>& localize) {
+  LocalizeResult result = localize(query);
+  const std::optional<Camera> camera =
+      query.other_cameras.empty() ? CameraOfThisSize(query.camera) : std::nullopt;
+  if (!camera) {
+    return result;
+  }
+  LocalizeQuery scaled = query;
+  scaled.camera = *camera;
+  LocalizeResult other = localize(scaled);
+  if (!other.localized || (result.localized && result.score >= other.score)) {
+    return result;
+  }
+  if (!other.camera) {
+    other.camera = {.camera = *camera,
+                    .focal_sigma_px = kAssumedFocalLogSigma * camera->focal_px()};
+  }
+  other.camera->assumed_focal_px = query.camera.focal_px();
+  other.camera->assumed_focal_sigma_px = kAssumedFocalLogSigma * query.camera.focal_px();
+  other.camera->focal_disagrees = true;
+  other.times.total_seconds += result.times.total_seconds;
+  return other;
 }
 
 }  // namespace
@@ -246,8 +277,10 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
 LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
   query.Validate();
   const auto localize_in = [&](const MapSnapshot& snapshot) {
-    return query.prior ? LocalizeNear(query, {SnapshotTiles(snapshot), &snapshot}, nullptr).result
-                       : LocalizeAnywhere(query, snapshot);
+    return WithEitherCamera(query, [&](const LocalizeQuery& meant) {
+      return meant.prior ? LocalizeNear(meant, {SnapshotTiles(snapshot), &snapshot}, nullptr).result
+                         : LocalizeAnywhere(meant, snapshot);
+    });
   };
   return pinned != nullptr ? localize_in(*pinned) : ReadLatest(*store, query.deadline, localize_in);
 }
@@ -258,7 +291,9 @@ LocalizeResult Localizer::Impl::LocalizeInTiles(const LocalizeQuery& query) {
     throw Error(ErrorCode::kBadInput,
                 "prior: tiles that are not those of a map are searched near a position only");
   }
-  return LocalizeNear(query, {*tiles}, nullptr).result;
+  return WithEitherCamera(query, [&](const LocalizeQuery& meant) {
+    return LocalizeNear(meant, {*tiles}, nullptr).result;
+  });
 }
 
 Localizer Localizer::Open(const std::string& path_or_url, const LocalizerOptions& options,

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "engine/camera_of_this_size.h"
 #include "engine/find_camera.h"
 #include "engine/mapped_streets.h"
 #include "engine/pose/focal_search.h"
@@ -102,6 +104,63 @@ TEST_F(UnknownCamera, IsNoCameraOfARig) {
   LocalizeQuery query = Withheld();
   query.other_cameras.push_back({world_->camera(), Rigid3d(), {}});
   EXPECT_THROW(map_->localizer().Localize(query), Error);
+}
+
+// A photo sent at another size than its camera's parameters are for, or turned.
+TEST_F(UnknownCamera, ParametersOfAnotherSizeOfThePictureAreRecognized) {
+  const LocalizeQuery right = QueryAt(*world_, Truth());
+  const int width_px = right.camera.width_px(), height_px = right.camera.height_px();
+  const double focal_px = right.camera.focal_px();
+  for (const double factor : {0.5, 0.75, 1.3, 1.5, 2.0, 3.9375}) {
+    LocalizeQuery query = right;
+    query.camera = Camera(CameraModel::kSimplePinhole, width_px, height_px,
+                          {factor * focal_px, factor * 0.5 * width_px, factor * 0.5 * height_px});
+    const LocalizeResult result = map_->localizer().Localize(query);
+    SCOPED_TRACE(factor);
+    ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
+    ASSERT_TRUE(result.camera);
+    EXPECT_NEAR(result.camera->camera.focal_px(), focal_px, 0.01 * focal_px);
+    EXPECT_TRUE(result.camera->focal_disagrees);
+    EXPECT_NEAR(result.camera->assumed_focal_px, factor * focal_px, 1e-9);
+  }
+  LocalizeQuery turned = right;
+  turned.camera = Camera(CameraModel::kSimplePinhole, width_px, height_px,
+                         {focal_px, 0.5 * height_px, 0.5 * width_px});
+  const LocalizeResult result = map_->localizer().Localize(turned);
+  ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
+  EXPECT_TRUE(result.camera && result.camera->focal_disagrees);
+}
+
+// The upper left part of a picture has its principal point on the diagonal, too.
+TEST_F(UnknownCamera, ACropWithItsOwnParametersIsAnsweredAsStated) {
+  LocalizeQuery query = QueryAt(*world_, Truth());
+  const int width_px = query.camera.width_px() * 7 / 10;
+  const int height_px = query.camera.height_px() * 7 / 10;
+  FeatureSet cropped;
+  std::vector<int> kept;
+  for (int i = 0; i < query.features.size(); ++i) {
+    const Keypoint& keypoint = query.features.keypoints[i];
+    if (keypoint.x_px < width_px && keypoint.y_px < height_px) {
+      cropped.keypoints.push_back(keypoint);
+      kept.push_back(i);
+    }
+  }
+  cropped.descriptors = query.features.descriptors(kept, Eigen::all);
+  query.features = cropped;
+  query.camera = Camera(query.camera.model(), width_px, height_px, query.camera.params());
+  ASSERT_TRUE(CameraOfThisSize(query.camera));
+  const LocalizeResult result = map_->localizer().Localize(query);
+  ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
+  EXPECT_FALSE(result.camera);
+}
+
+TEST(CameraOfThisSize, IsNoneForPrincipalPointsNearTheMiddleOrOffTheDiagonals) {
+  for (const auto& [x_px, y_px] :
+       {std::pair(320.0, 240.0), std::pair(350.0, 255.0), std::pair(480.0, 240.0),
+        std::pair(480.0, 290.0), std::pair(-10.0, 100.0)}) {
+    EXPECT_FALSE(
+        CameraOfThisSize(Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, x_px, y_px})));
+  }
 }
 
 TEST(FocalGuesses, AreOnlyWhatIsStatedIfThatIsCertain) {
