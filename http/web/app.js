@@ -313,14 +313,16 @@ function updatePrior(event) {
   drawMap();
 }
 
-// A value of a TIFF directory: a function (tag, n) => number or letter, or undefined.
+// A value of a TIFF directory: a function (tag, n) => number or text of one character, or undefined.
 function tiffDirectory(view, little, offset) {
-  const sizes = { 1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 9: 4, 10: 8 };
+  const sizes = { 1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4 };
   const u32 = (at) => view.getUint32(at, little);
   const i32 = (at) => view.getInt32(at, little);
   const readers = { 1: (at) => view.getUint8(at), 2: (at) => String.fromCharCode(view.getUint8(at)),
                     3: (at) => view.getUint16(at, little), 4: u32, 5: (at) => u32(at) / u32(at + 4),
-                    9: i32, 10: (at) => i32(at) / i32(at + 4) };
+                    6: (at) => view.getInt8(at), 8: (at) => view.getInt16(at, little),
+                    9: i32, 10: (at) => i32(at) / i32(at + 4),
+                    11: (at) => view.getFloat32(at, little), 12: (at) => view.getFloat64(at, little), 13: u32 };
   return (tag, n = 0) => {
     if (offset + 2 > view.byteLength) return undefined;
     const count = Math.min(view.getUint16(offset, little), (view.byteLength - offset - 2) / 12);
@@ -332,33 +334,57 @@ function tiffDirectory(view, little, offset) {
       const at = bytes <= 4 ? entry + 8 : u32(entry + 8);
       if (!(bytes > n * sizes[type]) || at + bytes > view.byteLength) return undefined;
       const value = readers[type](at + n * sizes[type]);
-      return Number.isNaN(value) ? undefined : value;
+      return type === 2 || Number.isFinite(value) ? value : undefined;
     }
     return undefined;
   };
 }
 
-// Position and focal length from the TIFF structure of a photo's EXIF, as the server reads them.
+// The position of a GPS directory. None if the receiver marked it as void.
+function positionOf(gps) {
+  const letter = (tag) => String(gps(tag) ?? "").toUpperCase();
+  const angle = (tag, negative, max) => {
+    const degrees = gps(tag) + (gps(tag, 1) ?? 0) / 60 + (gps(tag, 2) ?? 0) / 3600;
+    if (!(degrees >= 0 && degrees <= max)) return undefined;
+    return letter(tag - 1) === negative ? -degrees : degrees;
+  };
+  const lat = angle(2, "S", 90), lon = angle(4, "W", 180);
+  if (lat === undefined || lon === undefined || (lat === 0 && lon === 0) || letter(9) === "V") return undefined;
+  const stated = gps(0x1f);   // Meters; few phones state it.
+  const accuracy = stated > 0 ? stated : 25;
+  return accuracy <= 1e5 ? { lat, lon, accuracy } : undefined;
+}
+
+// The focal length for 35 mm film that an EXIF directory states or, as Canon's, tells by the sensor's resolution.
+function focal35mmOf(camera) {
+  const positive = (tag) => Math.max(0, camera(tag) ?? 0);
+  if (positive(0xa405) > 0) return positive(0xa405);
+  const focalMm = Math.max(1, camera(0xa404) ?? 1) * positive(0x920a);
+  const across = positive(0xa20e), along = positive(0xa20f) || across;
+  const unitMm = { 3: 10, 4: 1, 5: 0.001 }[camera(0xa210)] ?? 25.4;
+  const sensorMm = unitMm * Math.max(positive(0xa002) / across, positive(0xa003) / along);
+  return focalMm > 0 && sensorMm >= 3 && sensorMm <= 60 ? focalMm / sensorMm * 36 : undefined;
+}
+
+// Position and focal length from the TIFF structure of a photo's EXIF, as the server reads them
+// (core/images/exif.cc).
 function readTags(view) {
   if (view.byteLength < 8) return {};
-  const little = view.getUint16(0) === 0x4949;
-  if (view.getUint16(2, little) !== 42) return {};
+  const order = view.getUint16(0), little = order === 0x4949;
+  if ((!little && order !== 0x4d4d) || view.getUint16(2, little) !== 42) return {};
   const first = tiffDirectory(view, little, view.getUint32(4, little));
   const gps = tiffDirectory(view, little, first(0x8825) ?? view.byteLength);
   const camera = tiffDirectory(view, little, first(0x8769) ?? view.byteLength);
-  const angle = (tag, negative) =>
-    (gps(tag) + (gps(tag, 1) ?? 0) / 60 + (gps(tag, 2) ?? 0) / 3600) * (gps(tag - 1) === negative ? -1 : 1);
-  const lat = angle(2, "S"), lon = angle(4, "W");
-  const accuracy = gps(0x1f) || 25;   // Meters; few phones state it.
-  const isPosition = Math.abs(lat) <= 90 && Math.abs(lon) <= 180 && (lat !== 0 || lon !== 0) && accuracy <= 1e5;
-  return { gps: isPosition ? { lat, lon, accuracy } : undefined,
-           focal35mm: camera(0xa405) || undefined };
+  const focal35mm = focal35mmOf(camera);
+  return { gps: positionOf(gps), focal35mm: focal35mm >= 4 && focal35mm <= 2000 ? focal35mm : undefined };
 }
 
 // Finds the EXIF in a JPEG or PNG file. Shrinking a photo loses it.
 function readExif(buffer) {
   const view = new DataView(buffer);
-  const block = (at, length) => readTags(new DataView(buffer, at, Math.min(length, 65536)));
+  const isSigned = (at, length) => length >= 6 && view.getUint32(at) === 0x45786966 && view.getUint16(at + 4) === 0;
+  const block = (at, length) => isSigned(at, length) ? block(at + 6, length - 6)
+    : readTags(new DataView(buffer, at, Math.min(length, 65536)));
   if (view.byteLength > 8 && view.getUint32(0) === 0x89504e47) {
     for (let at = 8; at + 12 <= view.byteLength; at += 12 + view.getUint32(at)) {
       const length = view.getUint32(at);
@@ -368,15 +394,16 @@ function readExif(buffer) {
   }
   for (let at = 2; at + 4 <= view.byteLength;) {
     const marker = view.getUint8(at + 1);
-    if (view.getUint8(at) !== 0xff || marker === 0xff || marker === 0) {
+    const standsAlone = marker <= 1 || (marker >= 0xd0 && marker <= 0xd7);
+    if (view.getUint8(at) !== 0xff || marker === 0xff || standsAlone) {
       ++at;   // Stray or fill bytes.
       continue;
     }
     if (marker === 0xda) break;
     const length = view.getUint16(at + 2);
-    const isExif = marker === 0xe1 && length > 16 && at + 2 + length <= view.byteLength &&
-      view.getUint32(at + 4) === 0x45786966 && view.getUint16(at + 8) === 0;
-    if (isExif) return block(at + 10, length - 8);
+    if (marker === 0xe1 && at + 2 + length <= view.byteLength && isSigned(at + 4, length - 2)) {
+      return block(at + 4, length - 2);
+    }
     at += 2 + length;
   }
   return {};

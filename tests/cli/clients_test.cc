@@ -12,6 +12,7 @@
 
 #include "cli/demo/demo_world.h"
 #include "cli/npm_folder.h"
+#include "cli/open_page.h"
 #include "cli/run_cairn.h"
 #include "core/angles.h"
 #include "core/error.h"
@@ -328,22 +329,7 @@ TEST_F(PlacedPhotos, AreUnderstoodByAServer) {
 
 class Page : public PlacedPhotos {
  protected:
-  // Empty, or why there is no browser to open the page with.
-  static std::string WhyNoBrowser() {
-    const auto [text, code] =
-        RunShell("test -x /usr/bin/chromium && /usr/bin/python3 -c 'import selenium'");
-    return code == 0 ? "" : "chromium and python3-selenium are not installed " + text;
-  }
-
-  json Open(const json& todo) {
-    std::ofstream(dir_.File("visits.json")) << todo;
-    const auto [text, code] = RunShell("'" CAIRN_SOURCE_DIR "/tests/cli/ui_page/open_page.py' '" +
-                                       dir_.File("visits.json") + "'");
-    EXPECT_EQ(code, 0) << text;
-    const json seen = json::parse(text, nullptr, false);
-    EXPECT_TRUE(seen.is_object()) << text;
-    return seen;
-  }
+  json Open(const json& todo) { return OpenPage(todo, dir_); }
 
   // Meters between the position that the page shows, "55.1234567°, 13.1234567°, 12.34 m", and the
   // truth.

@@ -71,6 +71,7 @@ struct ExifContent {
   std::optional<double> error_m = {};     // GPSHPositioningError.
   std::optional<uint16_t> focal_35mm = {};
   ExifDirectory more_gps = {};           // Entries that replace those above.
+  ExifDirectory more_exif = {};          // Entries of the EXIF directory beside those above.
   std::vector<uint8_t> maker_note = {};  // Put into the EXIF directory.
   bool has_thumbnail_directory = false;  // A second directory with an orientation of its own.
 };
@@ -138,7 +139,7 @@ inline uint32_t DirectoryBytes(const ExifDirectory& directory) {
 // The TIFF structure of the content: directories 0, EXIF, GPS, and 1 if there is a thumbnail.
 inline std::vector<uint8_t> ExifBlock(const ExifContent& content) {
   const ExifWriter writer(content.is_little_endian);
-  ExifDirectory exif, thumbnail;
+  ExifDirectory exif = content.more_exif, thumbnail;
   if (content.focal_35mm) {
     exif.emplace(0xa405, writer.Short(*content.focal_35mm));
   }

@@ -4,8 +4,10 @@
 open_page.py ASK.json reads {"url", "key", "screenshot", "visits": [{"photo", "lat", "lon", "accuracy", "focal", "exif"}]}, all
 but the photo optional, fills in the form for each visit, presses the button, and prints one line of JSON:
 {"answers": [text under the photo, ...], "console": [what Chromium's console got], "status": text at the top,
-"before": text at the top before the API key was typed}. A key is typed into the field that the page shows for it.
+"before": text at the top before the API key was typed, "exif": [what the page reads in each of the files "exif", ...]}.
+A key is typed into the field that the page shows for it.
 """
+import base64
 import json
 import sys
 
@@ -68,6 +70,13 @@ def type_key(browser, key):
     WebDriverWait(browser, TIMEOUT_S).until(lambda b: status_of(b).startswith("running"))
 
 
+def read_exif(browser, path):
+    with open(path, "rb") as file:
+        text = base64.b64encode(file.read()).decode()
+    return browser.execute_script(
+        "return readExif(Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0)).buffer)", text)
+
+
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         todo = json.load(file)
@@ -78,7 +87,7 @@ def main():
         before = status_of(browser)
         if todo.get("key"):
             type_key(browser, todo["key"])
-        answers = [ask(browser, visit) for visit in todo["visits"]]
+        answers = [ask(browser, visit) for visit in todo.get("visits", [])]
         if todo.get("screenshot"):
             browser.save_screenshot(todo["screenshot"])
         print(json.dumps({
@@ -86,6 +95,7 @@ def main():
             "console": [entry["message"] for entry in browser.get_log("browser")],
             "status": status_of(browser),
             "before": before,
+            "exif": [read_exif(browser, path) for path in todo.get("exif", [])],
         }))
     finally:
         browser.quit()
