@@ -26,6 +26,26 @@ std::string PathKey(const std::string& name) {
   return key;
 }
 
+bool IsLetter(char c) { return c >= 'a' && c <= 'z'; }
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// The key without an ending, as .jpg or .cr2. The numbers of IMG_2026.11 and the names of hidden
+// files are no endings.
+std::string StemKey(std::string key) {
+  constexpr size_t kMinLetters = 2, kMaxLetters = 4;
+  const size_t dot = key.rfind('.');
+  if (dot == key.npos || dot == 0 || key[dot - 1] == '/') {
+    return key;
+  }
+  const std::string_view ending = std::string_view(key).substr(dot + 1);
+  const bool is_ending =
+      ending.size() >= kMinLetters && ending.size() <= kMaxLetters &&
+      std::any_of(ending.begin(), ending.end(), IsLetter) &&
+      std::all_of(ending.begin(), ending.end(), [](char c) { return IsLetter(c) || IsDigit(c); });
+  key.resize(is_ending ? dot : key.size());
+  return key;
+}
+
 // The names of a list that match nothing yet, by key.
 struct Unmatched {
   std::vector<int> idx;
@@ -41,15 +61,28 @@ class NameMatcher {
 
   NameMatches Match() {
     MatchEqual();
-    MatchKeys();
-    const auto is_none = [](int known_idx) { return known_idx < 0; };
-    if (std::all_of(matches_.known_of_wanted.begin(), matches_.known_of_wanted.end(), is_none)) {
-      MatchPathEnds();
+    MatchKeys(PathKey);
+    if (IsWithoutMatches()) {
+      MatchPathEnds(PathKey);
+    }
+    const KeyFunction stem_key = [](const std::string& name) { return StemKey(PathKey(name)); };
+    if (IsWithoutMatches()) {
+      MatchKeys(stem_key);
+    }
+    if (IsWithoutMatches()) {
+      MatchPathEnds(stem_key);
     }
     return matches_;
   }
 
  private:
+  using KeyFunction = std::string (*)(const std::string& name);
+
+  bool IsWithoutMatches() const {
+    return std::all_of(matches_.known_of_wanted.begin(), matches_.known_of_wanted.end(),
+                       [](int known_idx) { return known_idx < 0; });
+  }
+
   void MatchEqual() {
     std::unordered_map<std::string_view, int> idx_of_known;
     for (size_t i = 0; i < known_.size(); ++i) {
@@ -63,12 +96,13 @@ class NameMatcher {
     }
   }
 
-  static Unmatched Rest(const std::vector<std::string>& names, const std::vector<int>& partners) {
+  static Unmatched Rest(const std::vector<std::string>& names, const std::vector<int>& partners,
+                        KeyFunction key) {
     Unmatched rest;
     for (size_t i = 0; i < names.size(); ++i) {
       if (partners[i] < 0) {
         rest.idx.push_back(static_cast<int>(i));
-        rest.keys.push_back(PathKey(names[i]));
+        rest.keys.push_back(key(names[i]));
       }
     }
     return rest;
@@ -98,9 +132,9 @@ class NameMatcher {
                             Excerpt(name), Excerpt(one), Excerpt(other)));
   }
 
-  void MatchKeys() {
-    const Unmatched known = Rest(known_, wanted_of_known_);
-    const Unmatched wanted = Rest(wanted_, matches_.known_of_wanted);
+  void MatchKeys(KeyFunction key) {
+    const Unmatched known = Rest(known_, wanted_of_known_, key);
+    const Unmatched wanted = Rest(wanted_, matches_.known_of_wanted, key);
     std::unordered_multimap<std::string_view, int> idx_of_key;
     for (size_t i = 0; i < known.idx.size(); ++i) {
       idx_of_key.emplace(known.keys[i], known.idx[i]);
@@ -113,9 +147,9 @@ class NameMatcher {
     }
   }
 
-  void MatchPathEnds() {
-    const Unmatched known = Rest(known_, wanted_of_known_);
-    const Unmatched wanted = Rest(wanted_, matches_.known_of_wanted);
+  void MatchPathEnds(KeyFunction key) {
+    const Unmatched known = Rest(known_, wanted_of_known_, key);
+    const Unmatched wanted = Rest(wanted_, matches_.known_of_wanted, key);
     PairWithEnds(wanted, known,
                  [&](int wanted_idx, int known_idx) { Pair(wanted_idx, known_idx); });
     PairWithEnds(known, wanted,
@@ -151,6 +185,13 @@ class NameMatcher {
 NameMatches MatchNames(const std::vector<std::string>& wanted,
                        const std::vector<std::string>& known) {
   return NameMatcher(wanted, known).Match();
+}
+
+std::string InexactExample(const NameMatches& matches, const std::vector<std::string>& wanted,
+                           const std::vector<std::string>& known) {
+  const int wanted_idx = matches.inexact_example;
+  return fmt::format("'{}' as '{}'", Excerpt(wanted[wanted_idx]),
+                     Excerpt(known[matches.known_of_wanted[wanted_idx]]));
 }
 
 std::string ExampleNames(const std::vector<std::string>& names) {

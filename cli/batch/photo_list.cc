@@ -146,7 +146,7 @@ void FindNamesInFolder(const fs::path& folder, std::vector<ListedPhoto>* photos)
   }
   if (matches.num_inexact > 0) {
     LogInfo("{} names of the list are written in another way in the folder, e.g. {}",
-            matches.num_inexact, Excerpt(wanted[matches.inexact_example]));
+            matches.num_inexact, InexactExample(matches, wanted, known));
   }
 }
 

@@ -43,9 +43,8 @@ std::vector<std::string> NamesOf(const std::vector<ColmapImage>& images) {
 void LogInexact(const NameMatches& matches, const std::vector<std::string>& wanted,
                 const std::vector<std::string>& known, const char* where) {
   if (matches.num_inexact > 0) {
-    const int example = matches.inexact_example;
-    LogInfo("{} image names are written in another way {}, e.g. '{}' as '{}'", matches.num_inexact,
-            where, Excerpt(wanted[example]), Excerpt(known[matches.known_of_wanted[example]]));
+    LogInfo("{} image names are written in another way {}, e.g. {}", matches.num_inexact, where,
+            InexactExample(matches, wanted, known));
   }
 }
 

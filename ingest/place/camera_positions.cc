@@ -125,6 +125,11 @@ std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
                 fmt::format("{}: none of its names ({}) is that of a photo ({})", Printable(path),
                             ExampleNames(wanted), ExampleNames(photo_names)));
   }
+  if (matches.num_inexact > 0) {
+    notes->push_back(
+        fmt::format("{} positions have names that the photos write in another way, e.g. {}",
+                    matches.num_inexact, InexactExample(matches, wanted, photo_names)));
+  }
   if (const auto note = NoteOnUnknown(wanted, matches, "photo")) {
     notes->push_back(*note);
   }
@@ -166,8 +171,8 @@ std::optional<std::string> NameAfterImages(const Reconstruction& reconstruction,
                             ExampleNames(image_names)));
   }
   if (matches.num_inexact > 0) {
-    LogInfo("{} positions have names that are written in another way in the model, e.g. '{}'",
-            matches.num_inexact, Excerpt(names[matches.inexact_example]));
+    LogInfo("{} positions have names that are written in another way in the model, e.g. {}",
+            matches.num_inexact, InexactExample(matches, names, image_names));
   }
   *positions = std::move(named);
   return NoteOnUnknown(names, matches, "image of the model");

@@ -32,9 +32,9 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
                                                 double default_accuracy_m = 5.0);
 
 // Reads such a table and gives the positions the names of the photos that MatchNames finds for
-// them; leaves out the others, and adds a sentence to `notes` that says how many. Throws as
-// ReadCameraPositions, and Error(kBadInput) if two rows are of one photo, and, with names of both,
-// if no row is of a photo.
+// them; leaves out the others. Adds sentences to `notes` that say how many are left out, and how
+// many names are not equal. Throws as ReadCameraPositions, and Error(kBadInput) if two rows are of
+// one photo, and, with names of both, if no row is of a photo.
 std::vector<CameraPosition> ReadPositionsOfPhotos(const std::string& path,
                                                   const std::vector<std::string>& photo_names,
                                                   std::vector<std::string>* notes,

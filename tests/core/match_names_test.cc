@@ -77,6 +77,33 @@ TEST(MatchNames, FoldersInFrontOfEitherNameDoNotCountIfNothingElseMatches) {
   EXPECT_THAT(MatchNames({"aa.jpg"}, {"x/a.jpg"}).known_of_wanted, ElementsAre(-1));
 }
 
+TEST(MatchNames, EndingsDoNotCountIfNothingElseMatches) {
+  const NameMatches matches =
+      MatchNames({"01.HEIC", "02.cr2", "03", "04.jpeg"}, {"04.JPG", "01.jpg", "02.jpg", "03.jpg"});
+  EXPECT_THAT(matches.known_of_wanted, ElementsAre(1, 2, 3, 0));
+  EXPECT_EQ(matches.num_inexact, 4);
+  EXPECT_THAT(MatchNames({"x/01.HEIC"}, {"1/01.jpg", "01.jpg"}).known_of_wanted, ElementsAre(1));
+  EXPECT_THAT(MatchNames({"1/01.HEIC"}, {"1/01.jpg", "2/01.jpg"}).known_of_wanted, ElementsAre(0));
+  // Another way that matches any name excludes this one.
+  EXPECT_THAT(MatchNames({"01.JPG", "02.png"}, {"01.jpg", "02.jpg"}).known_of_wanted,
+              ElementsAre(0, -1));
+  EXPECT_THAT(MatchNames({"01.jpg", "02.png"}, {"x/01.jpg", "x/02.jpg"}).known_of_wanted,
+              ElementsAre(0, -1));
+}
+
+TEST(MatchNames, WhatIsNoEndingCounts) {
+  for (const char* other : {"IMG_2026.12", ".jpg", "a/.jpg", "IMG_2026.jp-g", "IMG_2026.edited"}) {
+    EXPECT_THAT(MatchNames({other}, {"IMG_2026.11"}).known_of_wanted, ElementsAre(-1)) << other;
+    EXPECT_THAT(MatchNames({other}, {"IMG_2026.jpg"}).known_of_wanted, ElementsAre(-1)) << other;
+  }
+}
+
+TEST(MatchNames, AStemOfTwoPhotosIsRefused) {
+  EXPECT_THAT(RefusalOf({"01.HEIC"}, {"01.jpg", "01.png"}), HasSubstr("could be"));
+  EXPECT_THAT(RefusalOf({"01.HEIC", "01.MOV"}, {"01.jpg"}), HasSubstr("could be"));
+  EXPECT_THAT(RefusalOf({"01.HEIC"}, {"1/01.jpg", "2/01.jpg"}), HasSubstr("could be"));
+}
+
 TEST(MatchNames, ANameThatCouldBeEitherOfTwoIsRefused) {
   EXPECT_THAT(RefusalOf({"a.jpg"}, {"A.jpg", "a.JPG"}),
               ::testing::AllOf(HasSubstr("'a.jpg'"), HasSubstr("'A.jpg'"), HasSubstr("'a.JPG'")));
@@ -89,6 +116,11 @@ TEST(MatchNames, ANameThatCouldBeEitherOfTwoIsRefused) {
 TEST(MatchNames, ANameMayBeListedTwice) {
   EXPECT_THAT(MatchNames({"A", "A"}, {"a"}).known_of_wanted, ElementsAre(0, 0));
   EXPECT_THAT(MatchNames({"a", "a"}, {"a"}).known_of_wanted, ElementsAre(0, 0));
+}
+
+TEST(InexactExample, NamesBoth) {
+  const std::vector<std::string> wanted = {"01.HEIC"}, known = {"00.jpg", "01.jpg"};
+  EXPECT_EQ(InexactExample(MatchNames(wanted, known), wanted, known), "'01.HEIC' as '01.jpg'");
 }
 
 TEST(ExampleNames, AreFew) {

@@ -271,6 +271,20 @@ TEST_F(CameraPositionsCsv, ATableWithoutPositionsIsRefused) {
   EXPECT_THAT(RefusalOf("image,lat_deg,lon_deg,h_m\n\n"), HasSubstr("no position"));
 }
 
+TEST_F(CameraPositionsCsv, NamesOfConvertedPhotosAreFoundAndNoted) {
+  std::ofstream(dir_.File("positions.csv"))
+      << "image,lat_deg,lon_deg,h_m\n01.HEIC,47,8,400\n02.HEIC,47.1,8,401\n";
+  std::vector<std::string> notes;
+  const auto positions =
+      ReadPositionsOfPhotos(dir_.File("positions.csv"), {"02.jpg", "01.jpg"}, &notes);
+  ASSERT_EQ(positions.size(), 2u);
+  EXPECT_EQ(positions[1].image_name, "02.jpg");
+  EXPECT_NEAR(positions[1].position.lat_deg(), 47.1, 1e-9);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("2 positions have names that the photos write in another way"));
+  EXPECT_THAT(notes[0], HasSubstr("'02.HEIC' as '02.jpg'"));
+}
+
 TEST(NameAfterImages, FindsNamesThatAreWrittenInAnotherWay) {
   Reconstruction reconstruction = testing::StreetWorld().Reconstruct();
   reconstruction.images[0].name = "cam/u\u0308ber 0.JPG";
