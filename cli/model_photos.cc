@@ -112,7 +112,7 @@ PhotoExif ReadPhotoExif(const std::string& folder, const Reconstruction& reconst
     try {
       const std::vector<uint8_t> photo = ReadImageBytes((fs::path(folder) / image.name).string());
       const ImageHeader header = ParseImageHeader(photo);
-      if (header.exif.empty()) {
+      if (!header.HasExif()) {
         continue;
       }
       const ExifInfo exif = ReadExif(photo);

@@ -6,9 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "core/angles.h"
 #include "core/images/image_header.h"
+#include "core/images/raw_profile.h"
 #include "core/images/tiff_directory.h"
 #include "core/random.h"
 
@@ -171,7 +173,12 @@ ExifInfo ReadExif(std::span<const uint8_t> image_bytes) {
   ExifInfo info;
   info.width_px = static_cast<int>(std::min<int64_t>(header.width_px, INT32_MAX));
   info.height_px = static_cast<int>(std::min<int64_t>(header.height_px, INT32_MAX));
-  const TiffDirectory first = TiffDirectory::First(header.exif);
+  TiffDirectory first = TiffDirectory::First(header.exif);
+  std::vector<uint8_t> profile;
+  if (first.IsEmpty() && !header.raw_profile.empty()) {
+    profile = ReadRawProfile(header.raw_profile);
+    first = TiffDirectory::First(profile);
+  }
   ReadGps(first.Pointed(kGpsDirectoryTag), &info);
   const double orientation = first.Number(kOrientationTag).value_or(1.0);
   info.orientation = orientation >= 1.0 && orientation <= 8.0 ? static_cast<int>(orientation) : 1;

@@ -44,8 +44,8 @@ struct ExifInfo {
 
 // Photos without EXIF, and photos whose EXIF is damaged, give the values that can be read. Takes
 // time linear in the length of the photo's header and of its EXIF, of which at most the first
-// TiffDirectory::kMaxBytes are read, and allocates nothing. Throws Error(kBadInput) if the bytes
-// are not an image.
+// TiffDirectory::kMaxBytes are read. Allocates nothing, but for EXIF that a PNG has as text only
+// (raw_profile.h). Throws Error(kBadInput) if the bytes are not an image.
 ExifInfo ReadExif(std::span<const uint8_t> image_bytes);
 
 }  // namespace cairn

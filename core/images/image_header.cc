@@ -9,6 +9,8 @@
 
 #include "core/error.h"
 #include "core/images/pnm_decoder.h"
+#include "core/images/raw_profile.h"
+#include "core/images/tiff_directory.h"
 
 namespace cairn {
 namespace {
@@ -30,6 +32,16 @@ bool StartsWith(Bytes bytes, const std::array<uint8_t, N>& prefix) {
 // Some writers put the signature of JPEG's EXIF segment into PNG, too.
 Bytes WithoutExifSignature(Bytes exif) {
   return StartsWith(exif, kExifSignature) ? exif.subspan(kExifSignature.size()) : exif;
+}
+
+// Editors leave blocks that are empty or damaged before the camera's own.
+void TakeExif(Bytes block, ImageHeader* header) {
+  const Bytes exif = WithoutExifSignature(block);
+  const bool is_better =
+      TiffDirectory::First(header->exif).IsEmpty() && !TiffDirectory::First(exif).IsEmpty();
+  if (header->exif.empty() || is_better) {
+    header->exif = exif;
+  }
 }
 
 uint32_t BigEndian16(Bytes bytes) { return uint32_t{bytes[0]} << 8 | bytes[1]; }
@@ -82,7 +94,7 @@ Bytes NextSegment(Bytes bytes, size_t* at) {
 
 ImageHeader ParseJpeg(Bytes bytes) {
   constexpr uint8_t kApp1 = 0xe1, kEndOfImage = 0xd9, kStartOfScan = 0xda;
-  ImageHeader header{.format = ImageFormat::kJpeg, .exif = {}};
+  ImageHeader header{.format = ImageFormat::kJpeg, .exif = {}, .raw_profile = {}};
   size_t at = 2;
   while (true) {
     const uint8_t marker = NextMarker(bytes, &at);
@@ -90,8 +102,8 @@ ImageHeader ParseJpeg(Bytes bytes) {
       throw Error(ErrorCode::kBadInput, "the JPEG image ends before its pixels");
     }
     const Bytes segment = NextSegment(bytes, &at);
-    if (marker == kApp1 && header.exif.empty() && StartsWith(segment, kExifSignature)) {
-      header.exif = WithoutExifSignature(segment);
+    if (marker == kApp1 && StartsWith(segment, kExifSignature)) {
+      TakeExif(segment, &header);
     } else if (IsStartOfFrame(marker)) {
       if (segment.size() < 5) {
         ThrowTruncated("JPEG");
@@ -105,7 +117,7 @@ ImageHeader ParseJpeg(Bytes bytes) {
 }
 
 ImageHeader ParsePng(Bytes bytes) {
-  ImageHeader header{.format = ImageFormat::kPng, .exif = {}};
+  ImageHeader header{.format = ImageFormat::kPng, .exif = {}, .raw_profile = {}};
   size_t at = kPngSignature.size();
   bool is_first = true;
   while (true) {
@@ -117,7 +129,8 @@ ImageHeader ParsePng(Bytes bytes) {
       ThrowTruncated("PNG");
     }
     const char* type = reinterpret_cast<const char*>(bytes.data()) + at + 4;
-    const Bytes chunk = bytes.subspan(at + 8, length);
+    const Bytes typed_chunk = bytes.subspan(at + 4, 4 + length);
+    const Bytes chunk = typed_chunk.subspan(4);
     at += 12 + length;
     const bool is_header = std::memcmp(type, "IHDR", 4) == 0;
     // The header must come first and only once. For two headers, decoders disagree about which one
@@ -128,8 +141,10 @@ ImageHeader ParsePng(Bytes bytes) {
     if (is_header) {
       header.width_px = BigEndian32(chunk);
       header.height_px = BigEndian32(chunk.subspan(4));
-    } else if (header.exif.empty() && std::memcmp(type, "eXIf", 4) == 0) {
-      header.exif = WithoutExifSignature(chunk);
+    } else if (std::memcmp(type, "eXIf", 4) == 0) {
+      TakeExif(chunk, &header);
+    } else if (header.raw_profile.empty() && IsRawProfile(typed_chunk)) {
+      header.raw_profile = typed_chunk;
     } else if (std::memcmp(type, "IEND", 4) == 0) {
       return header;
     }
@@ -141,7 +156,8 @@ ImageHeader ParsePnm(Bytes bytes) {
   return {.format = ImageFormat::kPnm,
           .width_px = pnm.width_px,
           .height_px = pnm.height_px,
-          .exif = {}};
+          .exif = {},
+          .raw_profile = {}};
 }
 
 // Formats that a sender may assume to be supported.

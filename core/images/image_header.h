@@ -14,8 +14,14 @@ struct ImageHeader {
   ImageFormat format = ImageFormat::kJpeg;
   int64_t width_px = 0;   // At least 1.
   int64_t height_px = 0;  // At least 1.
-  // The TIFF structure of the EXIF block, as a view of the parsed bytes; empty if there is none.
+  // The TIFF structure of the EXIF block, as a view of the parsed bytes; empty if there is none. Of
+  // several blocks, the first whose directory has entries, or else the first.
   std::span<const uint8_t> exif;
+  // A text chunk of a PNG with the EXIF as digits, as a view (raw_profile.h); empty if there is
+  // none.
+  std::span<const uint8_t> raw_profile;
+
+  bool HasExif() const { return !exif.empty() || !raw_profile.empty(); }
 };
 
 // Walks the segments of a JPEG (T.81 annex B), the chunks of a PNG, or the header of a binary PGM

@@ -17,6 +17,7 @@ enum TiffType : uint16_t {
   kTiffLong = 4,
   kTiffRational = 5,
   kTiffSByte = 6,
+  kTiffUndefined = 7,
   kTiffSShort = 8,
   kTiffSLong = 9,
   kTiffSRational = 10,
@@ -135,8 +136,9 @@ std::optional<double> TiffDirectory::Number(uint16_t tag, uint32_t n) const {
 
 char TiffDirectory::Letter(uint16_t tag) const {
   const std::optional<Entry> entry = Find(tag);
-  const std::optional<size_t> at =
-      entry && entry->type == kTiffAscii ? OffsetOf(*entry, 0, 1) : std::nullopt;
+  const bool is_text = entry && (entry->type == kTiffAscii || entry->type == kTiffByte ||
+                                 entry->type == kTiffUndefined);
+  const std::optional<size_t> at = is_text ? OffsetOf(*entry, 0, 1) : std::nullopt;
   const char letter = at ? static_cast<char>(tiff_[*at]) : '\0';
   return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
 }

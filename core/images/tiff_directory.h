@@ -32,7 +32,10 @@ class TiffDirectory {
   // such tag, if its values are no numbers or fewer, or if the value is not finite.
   std::optional<double> Number(uint16_t tag, uint32_t n = 0) const;
 
-  // The first character of a text, in upper case; 0 if there is none.
+  bool IsEmpty() const { return num_entries_ == 0; }
+
+  // The first character of a text, in upper case; 0 if there is none. Some writers give texts the
+  // types of bytes (BYTE, UNDEFINED).
   char Letter(uint16_t tag) const;
 
   // A text up to its first zero byte, as a view of the structure; empty if there is none.

@@ -315,12 +315,12 @@ function updatePrior(event) {
 
 // A value of a TIFF directory: a function (tag, n) => number or text of one character, or undefined.
 function tiffDirectory(view, little, offset) {
-  const sizes = { 1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4 };
+  const sizes = { 1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4 };
   const u32 = (at) => view.getUint32(at, little);
   const i32 = (at) => view.getInt32(at, little);
   const readers = { 1: (at) => view.getUint8(at), 2: (at) => String.fromCharCode(view.getUint8(at)),
                     3: (at) => view.getUint16(at, little), 4: u32, 5: (at) => u32(at) / u32(at + 4),
-                    6: (at) => view.getInt8(at), 8: (at) => view.getInt16(at, little),
+                    6: (at) => view.getInt8(at), 7: (at) => view.getUint8(at), 8: (at) => view.getInt16(at, little),
                     9: i32, 10: (at) => i32(at) / i32(at + 4),
                     11: (at) => view.getFloat32(at, little), 12: (at) => view.getFloat64(at, little), 13: u32 };
   return (tag, n = 0) => {
@@ -340,9 +340,12 @@ function tiffDirectory(view, little, offset) {
   };
 }
 
-// The position of a GPS directory. None if the receiver marked it as void.
+// The position of a GPS directory, whose letters some writers give the types of bytes. None if the receiver marked it as void.
 function positionOf(gps) {
-  const letter = (tag) => String(gps(tag) ?? "").toUpperCase();
+  const letter = (tag) => {
+    const value = gps(tag) ?? "";
+    return (typeof value === "number" ? String.fromCharCode(value) : value).toUpperCase();
+  };
   const angle = (tag, negative, max) => {
     const degrees = gps(tag) + (gps(tag, 1) ?? 0) / 60 + (gps(tag, 2) ?? 0) / 3600;
     if (!(degrees >= 0 && degrees <= max)) return undefined;
@@ -367,19 +370,22 @@ function focal35mmOf(camera) {
 }
 
 // Position and focal length from the TIFF structure of a photo's EXIF, as the server reads them
-// (core/images/exif.cc).
+// (core/images/exif.cc). Undefined if there is no entry.
 function readTags(view) {
-  if (view.byteLength < 8) return {};
+  if (view.byteLength < 8) return undefined;
   const order = view.getUint16(0), little = order === 0x4949;
-  if ((!little && order !== 0x4d4d) || view.getUint16(2, little) !== 42) return {};
-  const first = tiffDirectory(view, little, view.getUint32(4, little));
+  if ((!little && order !== 0x4d4d) || view.getUint16(2, little) !== 42) return undefined;
+  const start = view.getUint32(4, little);
+  if (start + 14 > view.byteLength || view.getUint16(start, little) === 0) return undefined;
+  const first = tiffDirectory(view, little, start);
   const gps = tiffDirectory(view, little, first(0x8825) ?? view.byteLength);
   const camera = tiffDirectory(view, little, first(0x8769) ?? view.byteLength);
   const focal35mm = focal35mmOf(camera);
   return { gps: positionOf(gps), focal35mm: focal35mm >= 4 && focal35mm <= 2000 ? focal35mm : undefined };
 }
 
-// Finds the EXIF in a JPEG or PNG file. Shrinking a photo loses it.
+// Finds the EXIF in a JPEG or PNG file: the first block with entries. Shrinking a photo loses it. What old editors
+// write into a PNG as text is left to the server.
 function readExif(buffer) {
   const view = new DataView(buffer);
   const isSigned = (at, length) => length >= 6 && view.getUint32(at) === 0x45786966 && view.getUint16(at + 4) === 0;
@@ -388,7 +394,9 @@ function readExif(buffer) {
   if (view.byteLength > 8 && view.getUint32(0) === 0x89504e47) {
     for (let at = 8; at + 12 <= view.byteLength; at += 12 + view.getUint32(at)) {
       const length = view.getUint32(at);
-      if (view.getUint32(at + 4) === 0x65584966 && at + 12 + length <= view.byteLength) return block(at + 8, length);
+      const isExif = view.getUint32(at + 4) === 0x65584966 && at + 12 + length <= view.byteLength;
+      const found = isExif ? block(at + 8, length) : undefined;
+      if (found) return found;
     }
     return {};
   }
@@ -401,9 +409,9 @@ function readExif(buffer) {
     }
     if (marker === 0xda) break;
     const length = view.getUint16(at + 2);
-    if (marker === 0xe1 && at + 2 + length <= view.byteLength && isSigned(at + 4, length - 2)) {
-      return block(at + 4, length - 2);
-    }
+    const isExif = marker === 0xe1 && at + 2 + length <= view.byteLength && isSigned(at + 4, length - 2);
+    const found = isExif ? block(at + 4, length - 2) : undefined;
+    if (found) return found;
     at += 2 + length;
   }
   return {};

@@ -88,7 +88,7 @@ ReadPhotoResult ReadMappingPhoto(std::span<const uint8_t> bytes,
   const ImageHeader header = ParseImageHeader(bytes);
   ReadPhotoResult photo;
   photo.exif = ReadExif(bytes);
-  photo.has_exif = !header.exif.empty();
+  photo.has_exif = header.HasExif();
   const GrayImage image = DecodeGrayImage(bytes);
   photo.width_px = image.picture_width_px();
   photo.height_px = image.picture_height_px();

@@ -8,6 +8,7 @@
 
 #include "cli/open_page.h"
 #include "cli/run_cairn.h"
+#include "core/images/encode_image.h"
 #include "core/images/exif.h"
 #include "core/images/gray_image.h"
 #include "core/images/photo_camera.h"
@@ -51,6 +52,7 @@ std::vector<ExifContent> Contents() {
   const ExifDirectory gps[] = {
       {},
       {{1, ExifWriter::Text("s")}, {3, ExifWriter::Text("w")}},
+      {{1, ExifEntry{1, 2, {'S', 0}}}, {3, ExifEntry{7, 1, {'w'}}}},  // Types of bytes.
       {{9, ExifWriter::Text("V")}},
       {{9, ExifWriter::Text("A")}},
       {{0x1f, writer.Rationals({0.0})}},
@@ -78,6 +80,12 @@ std::vector<ExifContent> Contents() {
     contents.push_back(PhotoOfASensor(more));
   }
   return contents;
+}
+
+Bytes BlankJpeg() {
+  const Bytes pixels(16 * 16, 0);
+  return EncodeJpeg({.width_px = 16, .height_px = 16, .pixels = pixels.data(), .row_bytes = 16},
+                    90);
 }
 
 // What the server reads in the photo, as the page writes it.
@@ -118,10 +126,14 @@ TEST(PageExif, IsReadAsTheServerReadsIt) {
   const Bytes blank = EncodePng(BlankImage(16, 16));
   for (const ExifContent& content : Contents()) {
     photos.push_back(PngWithExifBlock(blank, ExifBlock(content)));
-    paths.push_back(dir.File(std::to_string(photos.size()) + ".png"));
+  }
+  const Bytes jpeg = JpegWithExifBlock(BlankJpeg(), ExifBlock(PlacedPhoto({})));
+  photos.push_back(JpegWithExifBlock(jpeg, {'I', 'I', 42, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+  for (size_t i = 0; i < photos.size(); ++i) {
+    paths.push_back(dir.File(std::to_string(i) + ".photo"));
     std::ofstream(paths.back().get<std::string>(), std::ios::binary)
-        .write(reinterpret_cast<const char*>(photos.back().data()),
-               static_cast<std::streamsize>(photos.back().size()));
+        .write(reinterpret_cast<const char*>(photos[i].data()),
+               static_cast<std::streamsize>(photos[i].size()));
   }
   const std::string map = dir.File("map.gpkg");
   ASSERT_EQ(RunCairn({"init", map}).exit_code, 0);

@@ -328,6 +328,28 @@ TEST(Exif, TheFirstOfTwoBlocksCounts) {
   EXPECT_EQ(ReadExif(JpegWithExifBlock(once, ExifBlock(PhonePhoto(true)))).orientation, 6);
 }
 
+TEST(Exif, ABlockWithoutEntriesIsPassedOver) {
+  const Bytes real = JpegWithExifBlock(Jpeg(), ExifBlock(PhonePhoto(true)));
+  for (const Bytes& first : {Bytes{}, Bytes{'I', 'I', 42, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+                             Bytes{'I', 'I', 42, 0, 255, 255, 255, 255, 0, 0}, Bytes(100, 0xff)}) {
+    ExpectPhonePhoto(ReadExif(JpegWithExifBlock(real, first)));
+    EXPECT_TRUE(ParseImageHeader(JpegWithExifBlock(Jpeg(), first)).HasExif() || first.empty());
+  }
+}
+
+TEST(Exif, HemispheresMayHaveTheTypesOfBytes) {
+  for (const uint16_t type : {1, 7}) {  // BYTE and UNDEFINED.
+    ExifContent content = PhonePhoto(true);
+    content.lon_deg = -151.215297;
+    content.more_gps = {{1, ExifEntry{type, 2, {'S', 0}}}, {3, ExifEntry{type, 1, {'W'}}}};
+    const ExifInfo exif = ReadBlock(ExifBlock(content));
+    ASSERT_TRUE(exif.gps.has_value());
+    EXPECT_NEAR(exif.gps->lat_deg(), -33.856784, 1e-7);
+    EXPECT_NEAR(exif.gps->lon_deg(), -151.215297, 1e-7);
+    EXPECT_FALSE(exif.gps_lacks_hemisphere);
+  }
+}
+
 TEST(Exif, WhatIsNoTiffIsIgnored) {
   for (const Bytes& block :
        {Bytes{}, Bytes{'I', 'I'}, Bytes{'I', 'M', 42, 0, 8, 0, 0, 0}, Bytes{'M', 'M', 42, 0, 8, 0},

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cairn::testing {
@@ -197,19 +198,25 @@ inline uint32_t Crc32(const std::vector<uint8_t>& bytes) {
   return ~crc;
 }
 
-// The PNG with an eXIf chunk behind its header.
-inline std::vector<uint8_t> PngWithExifBlock(std::vector<uint8_t> png,
-                                             const std::vector<uint8_t>& block) {
+// The PNG with a chunk of a type of four letters behind its header.
+inline std::vector<uint8_t> PngWithChunk(std::vector<uint8_t> png, const std::string& type,
+                                         const std::vector<uint8_t>& content) {
   constexpr size_t kEndOfHeader = 8 + 12 + 13;
   const ExifWriter big_endian(false);
-  std::vector<uint8_t> typed = {'e', 'X', 'I', 'f'};
-  typed.insert(typed.end(), block.begin(), block.end());
+  std::vector<uint8_t> typed(type.begin(), type.end());
+  typed.insert(typed.end(), content.begin(), content.end());
   std::vector<uint8_t> chunk;
-  big_endian.Put(block.size(), 4, &chunk);
+  big_endian.Put(content.size(), 4, &chunk);
   chunk.insert(chunk.end(), typed.begin(), typed.end());
   big_endian.Put(Crc32(typed), 4, &chunk);
   png.insert(png.begin() + kEndOfHeader, chunk.begin(), chunk.end());
   return png;
+}
+
+// The PNG with an eXIf chunk behind its header.
+inline std::vector<uint8_t> PngWithExifBlock(std::vector<uint8_t> png,
+                                             const std::vector<uint8_t>& block) {
+  return PngWithChunk(std::move(png), "eXIf", block);
 }
 
 }  // namespace cairn::testing
