@@ -202,7 +202,8 @@ void ReadImages(const std::string& model_dir, ColmapModel* model) {
       if (image.pixels.size() == kMaxColmapKeypoints) {
         file.Throw(fmt::format("more than {} keypoints", kMaxColmapKeypoints));
       }
-      const double x_px = file.Number<double>("keypoint");
+      const double x_px = file.Number<double>(
+          "keypoint: each image needs a second line, that of its keypoints, which may be empty");
       const double y_px = file.Number<double>("keypoint");
       image.pixels.push_back(Eigen::Vector2d(x_px, y_px).cast<float>());
       file.Word("point id");  // points3D.txt has the same information.

@@ -75,6 +75,16 @@ TEST_F(ColmapFiles, TextModelsMayHaveAByteOrderMarkAndLinesOfWindows) {
   EXPECT_EQ(read.landmarks.size(), written.landmarks.size());
 }
 
+TEST_F(ColmapFiles, AnImageNeedsASecondLine) {
+  const ColmapInput input = Write(StreetReconstruction(), /*binary=*/false);
+  Rewrite("images.txt", [](const std::string&) {
+    return "1 1 0 0 0 0 0 0 1 01.jpg\n2 1 0 0 0 0 0 0 1 02.jpg\n";
+  });
+  const std::string refusal = RefusalOf(input);
+  EXPECT_THAT(refusal, HasSubstr("line 2"));
+  EXPECT_THAT(refusal, HasSubstr("'02.jpg' is not a valid keypoint: each image needs a second "));
+}
+
 TEST_F(ColmapFiles, Utf16IsNoTextModel) {
   const ColmapInput input = Write(StreetReconstruction(), /*binary=*/false);
   Rewrite("images.txt", [](const std::string& text) {
