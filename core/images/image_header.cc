@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -179,6 +180,12 @@ constexpr OtherFormat kOtherFormats[] = {
 };
 
 std::string FormatName(Bytes bytes) {
+  if (bytes.empty()) {
+    return "the file is empty, and not";
+  }
+  if (IsVideo(bytes)) {
+    return "the file is a video, not";
+  }
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const OtherFormat& format : kOtherFormats) {
     if (text.substr(std::min(format.at, text.size())).starts_with(format.magic)) {
@@ -214,6 +221,17 @@ const char* ImageFormatName(ImageFormat format) {
       break;
   }
   return "PNM";
+}
+
+bool IsVideo(std::span<const uint8_t> bytes) {
+  constexpr size_t kTypeAt = 4, kBrandAt = 8;
+  constexpr std::string_view kBrands[] = {"qt  ", "iso", "mp4",  "avc1", "M4V",
+                                          "3gp",  "3g2", "MSNV", "XAVC"};
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.size() > kBrandAt && text.substr(kTypeAt).starts_with("ftyp") &&
+         std::any_of(std::begin(kBrands), std::end(kBrands), [&](std::string_view brand) {
+           return text.substr(kBrandAt).starts_with(brand);
+         });
 }
 
 ImageHeader ParseImageHeader(std::span<const uint8_t> image_bytes) {

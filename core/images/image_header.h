@@ -31,6 +31,10 @@ struct ImageHeader {
 // Whether the pixels of a JPEG are complete shows only when they are decoded.
 ImageHeader ParseImageHeader(std::span<const uint8_t> image_bytes);
 
+// Returns whether the bytes begin as an MP4, QuickTime or 3GP video does, whose container is that
+// of HEIC and AVIF.
+bool IsVideo(std::span<const uint8_t> bytes);
+
 }  // namespace cairn
 
 #endif  // CAIRN_CORE_IMAGES_IMAGE_HEADER_H_

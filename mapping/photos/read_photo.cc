@@ -19,6 +19,9 @@ namespace {
 std::string FormatReason(std::span<const uint8_t> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<size_t>(bytes.size(), 16));
+  if (IsVideo(bytes)) {
+    return "it is a video; Cairn maps photos";
+  }
   if (start.size() >= 12 && start.substr(4, 4) == "ftyp") {
     return "HEIC and AVIF are not supported; convert the photo to JPEG, with its EXIF";
   }

@@ -16,6 +16,7 @@
 namespace cairn {
 namespace {
 
+using ::testing::HasSubstr;
 using Bytes = std::vector<uint8_t>;
 
 // A PNG that claims to be 100,000 x 100,000 and holds nothing.
@@ -84,6 +85,22 @@ TEST(ImageHeader, FlippedBytesNeverReadOutside) {
 TEST(ImageHeader, RefusesOtherFormats) {
   const std::string gif = "GIF89a.........";
   EXPECT_THROW(ParseImageHeader(Bytes(gif.begin(), gif.end())), Error);
+}
+
+TEST(ImageHeader, SaysThatAFileIsAVideoOrEmpty) {
+  const auto refusal_of = [](const std::string& text) -> std::string {
+    try {
+      ParseImageHeader(Bytes(text.begin(), text.end()));
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  for (const char* brand : {"qt  ", "isom", "mp42", "avc1", "3gp5"}) {
+    EXPECT_THAT(refusal_of(std::string("___ ftyp") + brand + "...."), HasSubstr("is a video"));
+  }
+  EXPECT_THAT(refusal_of("___ ftypheic...."), HasSubstr("HEIC or AVIF"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("is empty"));
 }
 
 TEST(DecodeGrayImage, DecodesPgm) {

@@ -87,6 +87,18 @@ TEST(ReadPhotos, LeavesOutWhatItCannotUseWithAReason) {
   EXPECT_NE(ReasonFor(folder, "phone.heic").find("JPEG"), std::string::npos);
 }
 
+TEST(ReadPhotos, NamesVideosAndEmptyFiles) {
+  const testing::TempDir dir;
+  Write(dir.path() / "a.pgm", Picture(1));
+  Write(dir.path() / "empty.jpg", "");
+  Write(dir.path() / "film.jpg", std::string("\0\0\0\x14"
+                                             "ftypqt  0000",
+                                             16));
+  const PhotoFolder folder = ReadPhotos({dir.path()}, SiftExtractor(), {});
+  EXPECT_NE(ReasonFor(folder, "empty.jpg").find("empty"), std::string::npos);
+  EXPECT_NE(ReasonFor(folder, "film.jpg").find("is a video"), std::string::npos);
+}
+
 TEST(ReadPhotos, KeepsTheCopyOfTheTableOrOfTheShortestName) {
   const testing::TempDir dir;
   for (const char* name : {"05 (1).pgm", "05.pgm", "Copy of 05.pgm"}) {
