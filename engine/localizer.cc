@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/camera_of_this_size.h"
 #include "core/error.h"
 #include "core/seconds_since.h"
 #include "core/shared_workers.h"
 #include "engine/answer/answer.h"
 #include "engine/answer/refine_winner.h"
-#include "engine/camera_of_this_size.h"
 #include "engine/empty_result.h"
 #include "engine/explain_miss.h"
 #include "engine/place_answers.h"

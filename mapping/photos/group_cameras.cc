@@ -6,9 +6,12 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <utility>
 
+#include "core/camera_of_this_size.h"
+#include "core/error.h"
 #include "core/images/photo_camera.h"
 
 namespace cairn {
@@ -116,6 +119,50 @@ void DoubtSize(double enlargement, MappingCamera* camera) {
       std::min(FocalPrior::kUnknownLogSigma, camera->focal.log_sigma + 0.5 * std::log(enlargement));
 }
 
+// Known cameras whose focal length is not that of the EXIF of their photos.
+class Contradictions {
+ public:
+  // Throws Error(kBadInput) if the parameters are those of another size of the picture.
+  void Add(const PhotoLens& photo, const Camera& known) {
+    constexpr double kFactor = 1.3;
+    if (!photo.exif.focal_35mm || IsCropped(photo)) {
+      return;
+    }
+    const double exif_px =
+        CameraOfPhoto(photo.exif, photo.width_px, photo.height_px).camera.focal_px();
+    const double factor = known.focal_px() / exif_px;
+    if (std::max(factor, 1.0 / factor) < kFactor) {
+      return;
+    }
+    if (const auto scaled = CameraOfThisSize(known);
+        scaled && std::abs(std::log(scaled->focal_px() / exif_px)) < std::log(kFactor)) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("the parameters of the known camera of {0} x {1} pixels look like "
+                              "those of a picture {2:.2f} times as large, by the principal point "
+                              "and the EXIF (focal length {3:.0f} px, not {4:.0f}): state the size "
+                              "that the parameters are for; smaller copies are served, too",
+                              photo.width_px, photo.height_px,
+                              known.focal_px() / scaled->focal_px(), exif_px, known.focal_px()));
+    }
+    ++num_photos_;
+    factor_ = factor;
+  }
+
+  std::optional<std::string> Note() const {
+    if (num_photos_ == 0) {
+      return std::nullopt;
+    }
+    return fmt::format(
+        "the focal length of the known camera is {:.2f} times that of the EXIF of {} photos; the "
+        "known camera counts",
+        factor_, num_photos_);
+  }
+
+ private:
+  int num_photos_ = 0;
+  double factor_ = 1.0;
+};
+
 }  // namespace
 
 CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
@@ -129,6 +176,7 @@ CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
   using Key = std::tuple<int, int, uint64_t, double, size_t>;
   std::map<Key, int> group_of;
   int num_cropped = 0, num_other_size = 0;
+  Contradictions contradictions;
   const WholeSizes whole_sizes(photos);
   for (size_t i = 0; i < photos.size(); ++i) {
     const PhotoLens& photo = photos[i];
@@ -140,6 +188,9 @@ CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
     const bool is_known = camera.source == FocalSource::kCalibration;
     num_cropped += !is_known && IsCropped(photo) && photo.exif.focal_35mm ? 1 : 0;
     num_other_size += !calibrated.empty() && !is_known ? 1 : 0;
+    if (is_known) {
+      contradictions.Add(photo, camera.camera);
+    }
     const bool is_anonymous = photo.exif.camera_kind == 0 && !photo.exif.focal_35mm;
     if (!is_known && is_anonymous &&
         2 * num_of_size[{photo.width_px, photo.height_px}] < photos.size()) {
@@ -163,6 +214,9 @@ CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
     groups.notes.push_back(fmt::format(
         "{} photos have other proportions than the given camera, which does not count for them",
         num_other_size));
+  }
+  if (auto note = contradictions.Note()) {
+    groups.notes.push_back(*std::move(note));
   }
   return groups;
 }

@@ -36,6 +36,9 @@ struct CameraGroups {
 // that of its EXIF times the ratio of the sides, and the prior covers both. So may
 // one without a kind and without a focal length, unless it is a frame of a recording. Photos that
 // may be cropped share no camera, since each may be another part.
+//
+// A note says if the focal length of a known camera is another than that of the EXIF. Throws
+// Error(kBadInput) if its parameters are those of another size of the picture (CameraOfThisSize).
 CameraGroups GroupCameras(const std::vector<PhotoLens>& photos,
                           const std::vector<Camera>& calibrated);
 

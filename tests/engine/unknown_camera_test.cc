@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/angles.h"
+#include "core/camera_of_this_size.h"
 #include "core/error.h"
-#include "engine/camera_of_this_size.h"
 #include "engine/find_camera.h"
 #include "engine/mapped_streets.h"
 #include "engine/pose/focal_search.h"

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+
+#include "core/error.h"
 
 namespace cairn {
 namespace {
@@ -47,6 +50,35 @@ TEST(GroupCameras, PhotosFromManyHandsShareNone) {
       {LensOf(1000, 700), LensOf(1000, 700), LensOf(800, 600), LensOf(700, 900), LensOf(640, 480)},
       {});
   EXPECT_EQ(groups.cameras.size(), 5u);
+}
+
+TEST(GroupCameras, ParametersOfAnotherSizeOfThePictureAreRefused) {
+  const PhotoLens photo = LensOf(1024, 768, 7, 36.0);  // 1024 px.
+  for (const double factor : {0.5, 1.875, 3.9375}) {
+    const Camera known(CameraModel::kSimplePinhole, 1024, 768,
+                       {factor * 1000.0, factor * 512.0, factor * 384.0});
+    try {
+      GroupCameras({photo}, {known});
+      ADD_FAILURE() << factor;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+      EXPECT_NE(std::string(e.what()).find("times as large"), std::string::npos) << e.what();
+    }
+    EXPECT_NO_THROW(GroupCameras({LensOf(1024, 768)}, {known})) << "without EXIF, nothing tells";
+  }
+}
+
+TEST(GroupCameras, AKnownCameraCountsBeforeTheExifWhichIsSaid) {
+  const Camera known(CameraModel::kSimplePinhole, 1024, 768, {1500.0, 512.0, 384.0});
+  const CameraGroups groups =
+      GroupCameras({LensOf(1024, 768, 7, 36.0), LensOf(1024, 768, 7, 36.0)}, {known});
+  EXPECT_EQ(groups.cameras[0].source, FocalSource::kCalibration);
+  ASSERT_EQ(groups.notes.size(), 1u);
+  EXPECT_NE(groups.notes[0].find("1.46 times that of the EXIF of 2 photos"), std::string::npos)
+      << groups.notes[0];
+  EXPECT_TRUE(GroupCameras({LensOf(1024, 768, 7, 36.0)},
+                           {Camera(CameraModel::kSimplePinhole, 1024, 768, {1030.0, 512.0, 384.0})})
+                  .notes.empty());
 }
 
 TEST(GroupCameras, AKnownCameraServesItsSizeAndSmallerCopies) {

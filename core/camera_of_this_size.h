@@ -1,6 +1,6 @@
 // Recognizes the parameters of a camera that belong to another size of the picture.
-#ifndef CAIRN_ENGINE_CAMERA_OF_THIS_SIZE_H_
-#define CAIRN_ENGINE_CAMERA_OF_THIS_SIZE_H_
+#ifndef CAIRN_CORE_CAMERA_OF_THIS_SIZE_H_
+#define CAIRN_CORE_CAMERA_OF_THIS_SIZE_H_
 
 #include <optional>
 
@@ -18,4 +18,4 @@ std::optional<Camera> CameraOfThisSize(const Camera& stated);
 
 }  // namespace cairn
 
-#endif  // CAIRN_ENGINE_CAMERA_OF_THIS_SIZE_H_
+#endif  // CAIRN_CORE_CAMERA_OF_THIS_SIZE_H_

@@ -1,4 +1,4 @@
-#include "engine/camera_of_this_size.h"
+#include "core/camera_of_this_size.h"
 
 #include <Eigen/Core>
 #include <cmath>
