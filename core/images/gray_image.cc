@@ -39,6 +39,12 @@ void RequireDecodableSize(const ImageHeader& header, const ImageDecodeLimits& li
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes, const ImageDecodeLimits& limits) {
   const ImageHeader header = ParseImageHeader(image_bytes);
   RequireDecodableSize(header, limits);
+  if (header.is_panorama) {
+    throw Error(
+        ErrorCode::kBadInput,
+        "the image is a panorama, by its XMP (GPano:ProjectionType): it has no camera; send "
+        "a plain photo");
+  }
   switch (header.format) {
     case ImageFormat::kJpeg:
       return DecodeJpeg(image_bytes, header, limits);

@@ -79,8 +79,8 @@ void RequireDecodableSize(const ImageHeader& header, const ImageDecodeLimits& li
 // Decodes JPEG, PNG and binary PGM/PPM. Ignores EXIF rotation, because camera intrinsics refer to
 // the stored pixels. A JPEG of more than `limits.max_pixels` is decoded at the largest scale of n/8
 // that has no more; the result then has `full`. The pixels of other images are those of the file.
-// Throws Error(kBadInput) if the bytes have another format, do not decode or are cut short;
-// ImageTooLarge; DecodingStopped.
+// Throws Error(kBadInput) if the bytes have another format, do not decode, are cut short or are a
+// panorama (ImageHeader::is_panorama); ImageTooLarge; DecodingStopped.
 GrayImage DecodeGrayImage(std::span<const uint8_t> image_bytes,
                           const ImageDecodeLimits& limits = {});
 

@@ -93,6 +93,11 @@ Bytes NextSegment(Bytes bytes, size_t* at) {
   return content;
 }
 
+bool StatesProjection(Bytes xmp) {
+  const std::string_view text(reinterpret_cast<const char*>(xmp.data()), xmp.size());
+  return text.find("GPano:ProjectionType") != text.npos;
+}
+
 ImageHeader ParseJpeg(Bytes bytes) {
   constexpr uint8_t kApp1 = 0xe1, kEndOfImage = 0xd9, kStartOfScan = 0xda;
   ImageHeader header{.format = ImageFormat::kJpeg, .exif = {}, .raw_profile = {}};
@@ -105,6 +110,8 @@ ImageHeader ParseJpeg(Bytes bytes) {
     const Bytes segment = NextSegment(bytes, &at);
     if (marker == kApp1 && StartsWith(segment, kExifSignature)) {
       TakeExif(segment, &header);
+    } else if (marker == kApp1) {
+      header.is_panorama |= StatesProjection(segment);
     } else if (IsStartOfFrame(marker)) {
       if (segment.size() < 5) {
         ThrowTruncated("JPEG");

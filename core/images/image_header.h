@@ -20,6 +20,9 @@ struct ImageHeader {
   // A text chunk of a PNG with the EXIF as digits, as a view (raw_profile.h); empty if there is
   // none.
   std::span<const uint8_t> raw_profile;
+  // A JPEG whose XMP states a projection (GPano:ProjectionType), as phones and editors write for
+  // panoramas: no lens makes such a picture.
+  bool is_panorama = false;
 
   bool HasExif() const { return !exif.empty() || !raw_profile.empty(); }
 };

@@ -163,6 +163,17 @@ TEST(ImageDecoding, DamagedPixelsAreRefusedOrDecodedButNothingElse) {
 }
 
 // Some JPEGs, in one scan and in several.
+// Phones and editors state the projection of a panorama in its XMP.
+TEST(ImageDecoding, APanoramaIsRefused) {
+  Bytes jpeg = Encode(".jpg", CV_8UC3);
+  const std::string xmp = std::string("http://ns.adobe.com/xap/1.0/") + '\0' +
+                          "<rdf:Description GPano:ProjectionType=\"cylindrical\"/>";
+  Bytes segment = {0xff, 0xe1, 0, static_cast<uint8_t>(xmp.size() + 2)};
+  segment.insert(segment.end(), xmp.begin(), xmp.end());
+  jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+  EXPECT_THAT(Refusal(jpeg), HasSubstr("panorama"));
+}
+
 std::vector<Bytes> JpegsOfAllKinds() {
   return {Encode(".jpg", CV_8UC3), Encode(".jpg", CV_8UC1),
           Encode(".jpg", CV_8UC3, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}),
