@@ -18,6 +18,7 @@
 #include "ingest/colmap/colmap_database.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/descriptor_information.h"
+#include "ingest/colmap/model_errors.h"
 
 namespace cairn {
 namespace {
@@ -255,6 +256,7 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
                    Reconstruction* reconstruction) {
   const bool restricted = !input.image_names.empty();
   KeypointOwners owners(*reconstruction);
+  ModelErrors errors;
   for (const ColmapPoint& point : model.points) {
     ReconLandmark landmark{point.x_in_world, ReadTrack(input, point, index, *reconstruction)};
     if (landmark.observations.size() >= 2) {
@@ -263,6 +265,7 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
     if (landmark.observations.size() < 2) {
       continue;
     }
+    errors.Add(*reconstruction, landmark);
     if (restricted) {
       const auto x_in_world = TriangulatePoint(PointObservationsOf(*reconstruction, landmark));
       if (!x_in_world) {
@@ -271,6 +274,9 @@ void ReadLandmarks(const ColmapInput& input, const ColmapModel& model, const Ima
       landmark.x_in_world = *x_in_world;
     }
     reconstruction->landmarks.push_back(std::move(landmark));
+  }
+  if (const auto fault = errors.Fault()) {
+    ThrowBadModel(input, *fault);
   }
   if (owners.num_taken() > 0) {
     LogWarning("{}: {} observations are left out because their keypoints see an earlier point, too",

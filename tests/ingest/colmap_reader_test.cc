@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/focal_length.h"
 #include "core/keypoint_shape.h"
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/write_colmap.h"
@@ -118,6 +119,26 @@ TEST_F(ColmapReader, ReadsKeypointsOfFourAndTwoColumns) {
   EXPECT_FLOAT_EQ(two.images[0].features.keypoints[0].x_px, expected.x_px);
   EXPECT_FALSE(HasScale(two.images[0].features.keypoints[0]));
   EXPECT_FALSE(HasOrientation(two.images[0].features.keypoints[0]));
+}
+
+// Positions fit such a model, whose landmarks are triangulated again with the wrong cameras.
+TEST_F(ColmapReader, CamerasThatDoNotMakeThePointsOfTheModelAreRefused) {
+  const Reconstruction right = StreetReconstruction();
+  const ColmapInput input = Write(right);
+  const auto read_with_focal = [&](double factor) {
+    Reconstruction scaled = right;
+    for (Camera& camera : scaled.cameras) {
+      camera = WithFocalScaled(camera, factor);
+    }
+    WriteColmapModel(scaled, input.model_dir, ColmapModelFormat::kBinary);
+    ReadColmap(input);
+  };
+  for (const double factor : {0.5, 0.9, 1.2, 2.0}) {
+    EXPECT_THAT(ErrorOf([&] { read_with_focal(factor); }).second,
+                HasSubstr("its points are not where its photos see them"))
+        << factor;
+  }
+  EXPECT_NO_THROW(read_with_focal(1.005));
 }
 
 TEST_F(ColmapReader, ImagesThatAreAViewWithoutEndAreRefused) {
