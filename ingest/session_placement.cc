@@ -110,6 +110,21 @@ void RequireOneMotion(const MapComparison& comparison, const AgreementOptions& o
   }
 }
 
+// Two parts of a session that the map sees in two places were put together wrongly. The larger part
+// would take the other with it.
+void RequireOneGroup(const MapComparison& comparison, const std::string& newcomer) {
+  constexpr int kLeastPlaces = 5;
+  const FrameSet& winner = comparison.anchoring.winner;
+  const FrameSet& rival = comparison.anchoring.rival;
+  if (rival.num_places >= kLeastPlaces && 2 * rival.num_places >= winner.num_places) {
+    Refuse(newcomer,
+           fmt::format("the map sees {} of its photos, in {} places, where they agree with each "
+                       "other, but {} others, in {} places, agree on another motion",
+                       winner.num_frames, winner.num_places, rival.num_frames, rival.num_places),
+           "Its parts do not fit each other: mend the reconstruction");
+  }
+}
+
 // Whether the map knows the place where a session stands: it recognizes some photos, or should
 // recognize many.
 bool IsOnKnownGround(const MapComparison& comparison, const AgreementOptions& options) {
@@ -245,7 +260,9 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& o
                       const PositionAccuracies& accuracy, const std::string& newcomer) {
   RequireRecognized(comparison, options, newcomer);
   RequireOneMotion(comparison, options, newcomer);
-  if (options.unanchored != Unanchored::kAccept) {
+  if (options.unanchored == Unanchored::kAccept) {
+    RequireOneGroup(comparison, newcomer);
+  } else {
     RequireAnchored(comparison, options, newcomer);
   }
   if (IsJudged(comparison)) {

@@ -1,10 +1,12 @@
 // How far a session may move, turn and grow to follow the map.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/radius68.h"
 #include "ingest/session_placement.h"
+#include "ingest/session_refused.h"
 
 namespace cairn {
 namespace {
@@ -43,6 +45,22 @@ TEST(LimitsOf, AccurateSessionsKeepTheLimitsOfTheOptions) {
   EXPECT_EQ(limits.moved_m, AgreementOptions().max_moved_m);
   EXPECT_EQ(limits.scale_change, AgreementOptions().max_scale_change);
   EXPECT_FALSE(limits.follow_accuracy);
+}
+
+// Half of a session was put together wrongly at a seam: the map sees both halves, in two places.
+TEST(RequireAgreement, RefusesASessionOfTwoPartsThatContradictEachOther) {
+  MapComparison comparison = SureComparison(50.0, 50.0);
+  comparison.num_expected = comparison.num_localized = 17;
+  comparison.fit.num_agreeing = 9;
+  comparison.anchoring.num_answers = 17;
+  comparison.anchoring.session = {17, 17, 50.0};
+  comparison.anchoring.winner = {9, 9, 25.0};
+  comparison.anchoring.rival = {8, 8, 25.0};
+  const auto require = [&] { RequireAgreement(comparison, {}, {}, "session B"); };
+  EXPECT_THAT(require, ::testing::ThrowsMessage<SessionRefused>(::testing::HasSubstr(
+                           "but 8 others, in 8 places, agree on another motion")));
+  comparison.anchoring.rival = {4, 4, 10.0};  // As wrong answers do.
+  EXPECT_NO_THROW(require());
 }
 
 }  // namespace
