@@ -225,6 +225,28 @@ void RequireOrientations(const ImageOrientations& orientations) {
   }
 }
 
+// What all else says of up, if the user's word is against it; empty if not.
+std::string NoteAgainstUser(UpProblem problem, const Reconstruction& reconstruction,
+                            const ImageOrientations& orientations, const UpChoice& by_user,
+                            double least_odds) {
+  constexpr double kElsewhere = 0.9;  // Cosine.
+  problem.trust_in_statements = kTrustInSession;
+  std::vector<UpView> views;
+  for (size_t i = 0; i < reconstruction.images.size(); ++i) {
+    views.push_back(ViewOf(reconstruction.images[i],
+                           orientations.empty() ? std::nullopt : orientations[i], std::nullopt,
+                           kTrustInSensor));
+  }
+  problem.views = Thinned(views, kMaxViews);
+  const UpChoice without = FindUp(UpEvidence(problem));
+  if (without.up_in_world.dot(by_user.up_in_world) > kElsewhere || without.Odds() < least_odds) {
+    return "";
+  }
+  return fmt::format(
+      "; but without --up, another up would be {:.0f} times as likely as any: look at the map",
+      without.Odds());
+}
+
 }  // namespace
 
 CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
@@ -263,6 +285,10 @@ CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
     ++holds.report.num_images[static_cast<size_t>(holds.of_image.back())];
   }
   holds.report.source = SourceOf(choice, by_user.has_value(), has_gravity);
+  if (is_given) {
+    holds.report.source +=
+        NoteAgainstUser(problem, reconstruction, orientations, choice, options.least_up_odds);
+  }
   if (mirror_odds >= options.least_up_odds) {
     holds.report.source += fmt::format(
         "; but a mirrored model, held upright, would be {:.0f} times as likely, if models were "

@@ -75,6 +75,16 @@ TEST(WhichWayIsUp, TheUserMaySayIt) {
   EXPECT_THAT(OutcomesOf(walk, {.up = UpSource::kLeft}), Each("wrong"));
 }
 
+TEST(WhichWayIsUp, TheUsersWordAgainstAllElseIsNoted) {
+  const Walk walk = MakeWalk({.swing_rad = 1.0});
+  const auto source = [&](UpSource up) {
+    return Georegister(walk.reconstruction, walk.positions, {.up = up}).up.source;
+  };
+  EXPECT_THAT(source(UpSource::kBottom), HasSubstr("but without --up, another up would be"));
+  EXPECT_THAT(source(UpSource::kLeft), HasSubstr("but without --up, another up would be"));
+  EXPECT_THAT(source(UpSource::kTop), ::testing::Not(HasSubstr("without --up")));
+}
+
 TEST(WhichWayIsUp, OrientationsOfPhotosTell) {
   const WalkOptions walk = {.has_facades = false, .held = TopOrLeft};
   const ImageOrientations orientations = ExifOf(walk);
