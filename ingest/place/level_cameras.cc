@@ -243,7 +243,7 @@ std::string NoteAgainstUser(UpProblem problem, const Reconstruction& reconstruct
     return "";
   }
   return fmt::format(
-      "; but without --up, another up would be {:.0f} times as likely as any: look at the map",
+      " (look at the map: without --up, another up would be {:.0f} times as likely as the next)",
       without.Odds());
 }
 

@@ -80,8 +80,8 @@ TEST(WhichWayIsUp, TheUsersWordAgainstAllElseIsNoted) {
   const auto source = [&](UpSource up) {
     return Georegister(walk.reconstruction, walk.positions, {.up = up}).up.source;
   };
-  EXPECT_THAT(source(UpSource::kBottom), HasSubstr("but without --up, another up would be"));
-  EXPECT_THAT(source(UpSource::kLeft), HasSubstr("but without --up, another up would be"));
+  EXPECT_THAT(source(UpSource::kBottom), HasSubstr("without --up, another up would be"));
+  EXPECT_THAT(source(UpSource::kLeft), HasSubstr("without --up, another up would be"));
   EXPECT_THAT(source(UpSource::kTop), ::testing::Not(HasSubstr("without --up")));
 }
 
