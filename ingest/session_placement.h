@@ -47,8 +47,8 @@ MotionLimits LimitsOf(const MapComparison& comparison, const AgreementOptions& o
 // Throws SessionRefused, with the figures of the disagreement and what to do, if a session or
 // another map contradicts the map: the map recognizes none of its photos, or recognizes them
 // mirrored, elsewhere, turned, of another size, in places that fit no motion, or in two groups that
-// contradict each other; or if
-// it is not anchored, as AgreementOptions::unanchored asks for. `newcomer` names it.
+// contradict each other; or if it is not anchored, as AgreementOptions::unanchored asks for.
+// `newcomer` names it.
 void RequireAgreement(const MapComparison& comparison, const AgreementOptions& options,
                       const PositionAccuracies& accuracy, const std::string& newcomer);
 

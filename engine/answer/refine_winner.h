@@ -14,8 +14,8 @@ namespace cairn {
 // Refines the winner on the matches of all poses that might have won. If it has at least
 // `sure_evidence`, also on the matches that it predicts (GuidedMatches). Then refines it on its
 // likely inliers, and together with the camera if the query or the inliers require it, and at last
-// with the shapes of the landmarks' errors (RefineByShapes). `query` is
-// the context in which the winner was found; `stated` holds what the client knows about the camera.
+// with the shapes of the landmarks' errors (RefineByShapes). `query` is the context in which the
+// winner was found; `stated` holds what the client knows about the camera.
 PoseHypothesis RefineWinner(const QueryContext& query, const LocalizeQuery& stated,
                             const std::vector<TileView>& tiles, const PoseHypotheses& hypotheses,
                             const PoseHypothesis& winner, const PoseOptions& options,

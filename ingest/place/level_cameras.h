@@ -20,7 +20,8 @@ struct CameraHolds {
 
 // Throws Error(kBadInput), with what to do, if two ways are about as likely, if the positions fit
 // the mirror image of the reconstruction and not the reconstruction, or if options.up asks for
-// orientations that no photo has. A way that options.up states is not doubted. The centers of the
+// orientations that no photo has. A way that options.up states is not doubted;
+// the report says if all else speaks against it. The centers of the
 // positions are those of the reconstruction times `normalized_per_world`, and moved.
 CameraHolds FindCameraHolds(const Reconstruction& reconstruction,
                             const ImageOrientations& orientations,

@@ -175,6 +175,16 @@ TEST(RefinePose, CovarianceIsInverseOfNormalMatrix) {
 
 // Errors of many estimates against what they say of themselves, with keypoints that are better and
 // worse than keypoint_sigma_px.
+// The squared error of the position in standard deviations by the covariance: 3 in the mean if that
+// is right.
+double SqPositionError(const PoseScene& scene, const std::vector<PoseObservation>& observations,
+                       const Rigid3d& refined) {
+  const Eigen::Vector3d error = refined.Inverse().translation - scene.center_in_anchor();
+  const auto covariance =
+      PoseCovariance(scene.query.camera, observations, std::nullopt, refined, {});
+  return error.dot(covariance.bottomRightCorner<3, 3>().inverse() * error);
+}
+
 TEST(RefinePose, CovarianceFollowsTheResiduals) {
   constexpr int kNumRuns = 100;
   for (const double noise_px : {0.2, 1.0, 3.0}) {
@@ -187,11 +197,7 @@ TEST(RefinePose, CovarianceFollowsTheResiduals) {
       const auto observations = Observations(scene);
       const RefinedPose refined =
           RefinePose(scene.query.camera, observations, std::nullopt, scene.cam_from_anchor, {});
-      const auto covariance = PoseCovariance(scene.query.camera, observations, std::nullopt,
-                                             refined.cam_from_anchor, {});
-      const Eigen::Vector3d error =
-          refined.cam_from_anchor.Inverse().translation - scene.center_in_anchor();
-      sum += error.dot(covariance.bottomRightCorner<3, 3>().inverse() * error);
+      sum += SqPositionError(scene, observations, refined.cam_from_anchor);
     }
     EXPECT_NEAR(sum / kNumRuns, 3.0, 1.2) << noise_px;
   }
@@ -255,11 +261,7 @@ TEST(RefinePose, WeighsTheErrorsOfLandmarksByTheirShapes) {
     const auto observations = OffAlongRays(scene, true);
     const Rigid3d refined = refine(observations);
     shaped_m += CenterErrorM(refined, scene.cam_from_anchor);
-    const Eigen::Vector3d error = refined.Inverse().translation - scene.center_in_anchor();
-    sum_sq += error.dot(PoseCovariance(camera, observations, std::nullopt, refined, {})
-                            .bottomRightCorner<3, 3>()
-                            .inverse() *
-                        error);
+    sum_sq += SqPositionError(scene, observations, refined);
   }
   EXPECT_LT(shaped_m, 0.6 * round_m);
   EXPECT_NEAR(sum_sq / kNumRuns, 3.0, 1.2);
@@ -277,13 +279,10 @@ TEST(RefinePose, CovarianceIncludesThatDistancesErrAlike) {
     options.pixel_noise_px = 1.0;
     options.seed = 10 + run;
     const PoseScene scene = MakePoseScene(options);
-    const Camera& camera = scene.query.camera;
     const auto observations = OffAlongRays(scene, true, normal(random));
-    const Rigid3d refined =
-        RefinePose(camera, observations, std::nullopt, scene.cam_from_anchor, {}).cam_from_anchor;
-    const Eigen::Vector3d error = refined.Inverse().translation - scene.center_in_anchor();
-    const auto covariance = PoseCovariance(camera, observations, std::nullopt, refined, {});
-    sum_sq += error.dot(covariance.bottomRightCorner<3, 3>().inverse() * error);
+    const RefinedPose refined =
+        RefinePose(scene.query.camera, observations, std::nullopt, scene.cam_from_anchor, {});
+    sum_sq += SqPositionError(scene, observations, refined.cam_from_anchor);
   }
   EXPECT_NEAR(sum_sq / kNumRuns, 3.0, 1.2);
 }
