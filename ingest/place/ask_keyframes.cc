@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "core/evenly_of.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
@@ -158,14 +159,7 @@ std::vector<KeyframeRecord> KeyframesNear(const MapSnapshot& map,
   }
   const auto most = static_cast<size_t>(
       std::clamp(kKeyframesOfTile * num_tiles, kLeastKeyframes, kMostKeyframes));
-  if (all.size() <= most) {
-    return all;
-  }
-  std::vector<KeyframeRecord> some;
-  for (size_t i = 0; i < most; ++i) {
-    some.push_back(std::move(all[all.size() * i / most]));
-  }
-  return some;
+  return EvenlyOf(std::move(all), most);
 }
 
 KeyframeAnswers AskKeyframes(const std::vector<KeyframeRecord>& keyframes,

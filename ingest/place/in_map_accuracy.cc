@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/evenly_of.h"
 #include "core/radius68.h"
 #include "core/scene/triangulate.h"
 #include "engine/pose/refine_pose.h"
@@ -16,15 +18,6 @@ constexpr size_t kMaxLandmarks = 400, kMinLandmarks = 24;
 // Factor on radii that are predicted from landmarks whose errors are as large along each axis, as
 // here. Answers know the shapes of the errors, and have another (docs/decisions/0080).
 constexpr double kRoundErrors = 1.35;
-
-// Every element at an even distance, at most `count`.
-std::vector<size_t> Evenly(size_t num, size_t count) {
-  std::vector<size_t> some;
-  for (size_t i = 0; i < std::min(num, count); ++i) {
-    some.push_back(num <= count ? i : num * i / count);
-  }
-  return some;
-}
 
 // The landmark of an observation as the other photos see it, in meters of the world frame.
 std::optional<PoseObservation> WithoutPhoto(const Reconstruction& reconstruction,
@@ -64,8 +57,8 @@ std::vector<PoseObservation> SeenByOthers(const Reconstruction& reconstruction,
     }
   }
   std::vector<PoseObservation> observations;
-  for (const size_t i : Evenly(seen.size(), kMaxLandmarks)) {
-    if (auto observation = WithoutPhoto(reconstruction, *seen[i], image_idx, scale)) {
+  for (const ReconLandmark* landmark : EvenlyOf(std::move(seen), kMaxLandmarks)) {
+    if (auto observation = WithoutPhoto(reconstruction, *landmark, image_idx, scale)) {
       observations.push_back(*observation);
     }
   }
@@ -147,10 +140,10 @@ std::optional<double> EstimateInMapAccuracy(const Reconstruction& reconstruction
   }
   std::vector<PhotoDisagreement> disagreements;
   size_t num_photos = 0;
-  for (const size_t i : Evenly(images.size(), kMaxPhotos)) {
-    const ReconImage& image = reconstruction.images[images[i]];
+  for (const int image_idx : EvenlyOf(std::move(images), kMaxPhotos)) {
+    const ReconImage& image = reconstruction.images[image_idx];
     const std::vector<PoseObservation> observations =
-        SeenByOthers(reconstruction, session, images[i], scale);
+        SeenByOthers(reconstruction, session, image_idx, scale);
     if (observations.size() >= kMinLandmarks) {
       const Rigid3d cam_from_world(image.cam_from_world.rotation,
                                    scale * image.cam_from_world.translation);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/evenly_of.h"
 #include "core/parallel_for.h"
 #include "engine/localizer.h"
 #include "ingest/anchor/pose_pair.h"
@@ -26,17 +27,13 @@ struct SeenByMap {
 };
 
 std::vector<int> ChooseImages(const std::vector<std::optional<Geodetic>>& rough_positions) {
-  std::vector<int> known, chosen;
+  std::vector<int> known;
   for (size_t i = 0; i < rough_positions.size(); ++i) {
     if (rough_positions[i]) {
       known.push_back(static_cast<int>(i));
     }
   }
-  const size_t count = std::min(known.size(), kMaxAsked);
-  for (size_t i = 0; i < count; ++i) {
-    chosen.push_back(known[known.size() * i / count]);
-  }
-  return chosen;
+  return EvenlyOf(std::move(known), kMaxAsked);
 }
 
 // The similarity that puts `a` where the map sees it and has the map's distance from `a` to `b`.
