@@ -76,6 +76,8 @@ double GroundDistanceM(const Geodetic& a, const Geodetic& b) {
   return distance_m;
 }
 
+GeoBox WholeEarth() { return {-0.5 * kPi, -kPi, 0.5 * kPi, kPi}; }
+
 GeoBox BoxAround(const Geodetic& center, double radius_m) {
   constexpr double kHalfPi = 0.5 * kPi;
   // The radius is the smallest radius of curvature of the ellipsoid, b^2 / a (the meridian's at the

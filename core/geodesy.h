@@ -46,6 +46,8 @@ struct GeoBox {
 // longitudes if the disc contains a pole.
 GeoBox BoxAround(const Geodetic& center, double radius_m);
 
+GeoBox WholeEarth();
+
 }  // namespace cairn
 
 #endif  // CAIRN_CORE_GEODESY_H_

@@ -55,6 +55,13 @@ std::vector<TileId> IdsOf(const std::vector<TileView>& tiles) {
 struct VersionToRead {
   const MapTiles& tiles;
   const MapSnapshot* snapshot = nullptr;  // Null if the tiles are not those of a map on disk.
+
+  // Tiles without a map have one version.
+  MapVersion version() const { return snapshot != nullptr ? snapshot->version() : MapVersion{}; }
+  int64_t num_tiles() const {
+    return snapshot != nullptr ? snapshot->Info().num_tiles
+                               : std::ssize(tiles.FindTiles(WholeEarth()));
+  }
 };
 
 // With more time, the stages might have found enough. `is_complete`: they left out nothing.
@@ -159,13 +166,13 @@ struct Localizer::Impl {
   }
   // `pinned`: the version to read; null: the latest.
   LocalizeResult Localize(const LocalizeQuery& query, const MapSnapshot* pinned);
-  LocalizeResult LocalizeInTiles(const LocalizeQuery& query);
+  LocalizeResult LocalizeIn(const LocalizeQuery& query, const VersionToRead& version);
   // `place`: the region to search; null: that of the query's prior.
   PlaceResult LocalizeNear(const LocalizeQuery& query, const VersionToRead& version,
                            const SearchRegion* place);
   // Searches the places of the map that look most like the photo.
-  LocalizeResult LocalizeAnywhere(const LocalizeQuery& query, const MapSnapshot& snapshot);
-  RankedPlaces RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
+  LocalizeResult LocalizeAnywhere(const LocalizeQuery& query, const VersionToRead& version);
+  RankedPlaces RankPlaces(const LocalizeQuery& query, const VersionToRead& version,
                           const QueryBudget& budget);
 };
 
@@ -216,11 +223,12 @@ PlaceResult Localizer::Impl::LocalizeNear(const LocalizeQuery& query, const Vers
   return {std::move(result), fetched.is_complete};
 }
 
-RankedPlaces Localizer::Impl::RankPlaces(const LocalizeQuery& query, const MapSnapshot& snapshot,
+RankedPlaces Localizer::Impl::RankPlaces(const LocalizeQuery& query, const VersionToRead& version,
                                          const QueryBudget& budget) {
   const StopFunction should_stop = budget.StopAfter(options.tiles.deadline_share);
-  const CataloguedPlaces places = catalog.IndexOf(snapshot, should_stop);
-  const std::optional<QueryContext> context = MakeContext(query, snapshot.CurrentCodebook(), {});
+  const CataloguedPlaces places = catalog.IndexOf(version.tiles, version.version(), should_stop);
+  const std::optional<QueryContext> context =
+      MakeContext(query, version.tiles.CurrentCodebook(), {});
   RankedPlaces ranked;
   if (places.index != nullptr && context) {
     ranked.places = places.index->Rank(*context, options.places, should_stop);
@@ -230,15 +238,15 @@ RankedPlaces Localizer::Impl::RankPlaces(const LocalizeQuery& query, const MapSn
 }
 
 LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
-                                                 const MapSnapshot& snapshot) {
+                                                 const VersionToRead& version) {
   const QueryBudget::Clock::time_point start = QueryBudget::Clock::now();
   const QueryBudget budget{&workers, query.deadline};
-  LocalizeResult without_place = EmptyResult(query, &snapshot);
-  const int64_t num_tiles = snapshot.Info().num_tiles;
+  LocalizeResult without_place = EmptyResult(query, version.snapshot);
+  const int64_t num_tiles = version.num_tiles();
   RankedPlaces ranked;
   StageRunner stages(budget);
   stages.Run(Stage::kPrior, [&] {
-    ranked = RankPlaces(query, snapshot, budget);
+    ranked = RankPlaces(query, version, budget);
     const bool has_few = query.num_features() < options.pose.min_inliers;
     return num_tiles == 0          ? Reason::kNoCoverage
            : has_few               ? Reason::kTooFewFeatures
@@ -246,7 +254,6 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
                                    : Reason::kNone;
   });
   without_place.reason = stages.reason();
-  const SnapshotTiles map(snapshot);
   PlaceAnswers answers(&options);
   bool is_complete = ranked.is_complete;
   for (const RankedPlace& place : ranked.places) {
@@ -254,7 +261,7 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
       break;
     }
     const SearchRegion region = RegionOfPlace(place.center, options.places.radius_m, num_tiles);
-    PlaceResult found = LocalizeNear(query, {map, &snapshot}, &region);
+    PlaceResult found = LocalizeNear(query, version, &region);
     is_complete &= found.has_all_tiles;
     answers.Add(place.score, std::move(found.result));
   }
@@ -266,7 +273,7 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
     result.reason = Reason::kTimeout;
   }
   if (!result.localized) {
-    result.reason_text = ExplainMiss(query, result, options, &snapshot);
+    result.reason_text = ExplainMiss(query, result, options, version.snapshot);
   }
   const auto prior = static_cast<size_t>(Stage::kPrior);
   result.times.seconds[prior] += stages.times().seconds[prior];
@@ -276,23 +283,20 @@ LocalizeResult Localizer::Impl::LocalizeAnywhere(const LocalizeQuery& query,
 
 LocalizeResult Localizer::Impl::Localize(const LocalizeQuery& query, const MapSnapshot* pinned) {
   query.Validate();
+  if (tiles != nullptr) {
+    return LocalizeIn(query, {*tiles});
+  }
   const auto localize_in = [&](const MapSnapshot& snapshot) {
-    return WithEitherCamera(query, [&](const LocalizeQuery& meant) {
-      return meant.prior ? LocalizeNear(meant, {SnapshotTiles(snapshot), &snapshot}, nullptr).result
-                         : LocalizeAnywhere(meant, snapshot);
-    });
+    return LocalizeIn(query, {SnapshotTiles(snapshot), &snapshot});
   };
   return pinned != nullptr ? localize_in(*pinned) : ReadLatest(*store, query.deadline, localize_in);
 }
 
-LocalizeResult Localizer::Impl::LocalizeInTiles(const LocalizeQuery& query) {
-  query.Validate();
-  if (!query.prior) {
-    throw Error(ErrorCode::kBadInput,
-                "prior: tiles that are not those of a map are searched near a position only");
-  }
+LocalizeResult Localizer::Impl::LocalizeIn(const LocalizeQuery& query,
+                                           const VersionToRead& version) {
   return WithEitherCamera(query, [&](const LocalizeQuery& meant) {
-    return LocalizeNear(meant, {*tiles}, nullptr).result;
+    return meant.prior ? LocalizeNear(meant, version, nullptr).result
+                       : LocalizeAnywhere(meant, version);
   });
 }
 
@@ -328,7 +332,7 @@ Localizer::~Localizer() = default;
 
 LocalizeResult Localizer::Localize(const LocalizeQuery& query) const {
   const SharedWorkers::Caller caller(&impl_->workers);
-  return impl_->tiles != nullptr ? impl_->LocalizeInTiles(query) : impl_->Localize(query, nullptr);
+  return impl_->Localize(query, nullptr);
 }
 
 LocalizeResult Localizer::LocalizeIn(const MapSnapshot& map, const LocalizeQuery& query) const {

@@ -34,9 +34,9 @@ class Localizer {
   // index tiles as options.matching.index says.
   Localizer(std::shared_ptr<const MapStore> map, const LocalizerOptions& options,
             std::shared_ptr<TileCache> cache);
-  // Answers against tiles that need not be those of a map on disk. Queries need a prior. `tiles`
-  // must outlive the localizer. Shares the cache, as above: of tiles with different content,
-  // records must have different digests.
+  // Answers against tiles that need not be those of a map on disk. `tiles` must outlive the
+  // localizer. Shares the cache, as above: of tiles with different content, records must have
+  // different digests.
   Localizer(const MapTiles& tiles, const LocalizerOptions& options,
             std::shared_ptr<TileCache> cache);
   Localizer(Localizer&&) noexcept;

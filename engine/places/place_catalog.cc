@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -35,14 +34,19 @@ struct Block {
   int x, y;
 };
 
-SharedSignature ReadSignature(const MapSnapshot& snapshot, const TileRecord& tile,
-                              size_t max_descriptors) {
+SharedSignature SignatureOf(const Tile& tile, TileId tile_id, size_t max_descriptors) {
+  if (tile.id != tile_id) {
+    throw Error(ErrorCode::kMapDamaged, "holds tile " + tile.id.ToString());
+  }
+  return std::make_shared<const TileSignature>(MakeTileSignature(tile, max_descriptors));
+}
+
+SharedSignature ReadSignature(const MapTiles& map, const TileRecord& tile, size_t max_descriptors) {
   try {
-    Tile decoded = DecodeTile(snapshot.LoadPayload(tile.payload_id));
-    if (decoded.id != tile.tile_id) {
-      throw Error(ErrorCode::kMapDamaged, "holds tile " + decoded.id.ToString());
-    }
-    return std::make_shared<const TileSignature>(MakeTileSignature(decoded, max_descriptors));
+    const StoredTile stored = map.LoadTile(tile);
+    return stored.decoded != nullptr
+               ? SignatureOf(stored.decoded->tile, tile.tile_id, max_descriptors)
+               : SignatureOf(DecodeTile(stored.payload), tile.tile_id, max_descriptors);
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("tile {}, payload {}: {}", tile.tile_id.ToString(),
                                           Value(tile.payload_id), error.what()));
@@ -71,7 +75,7 @@ size_t PlaceCatalog::DescriptorsPerTile(size_t num_tiles, const Codebook& codebo
   return size;
 }
 
-bool PlaceCatalog::ReadSignatures(const MapSnapshot& snapshot, const std::vector<TileRecord>& tiles,
+bool PlaceCatalog::ReadSignatures(const MapTiles& map, const std::vector<TileRecord>& tiles,
                                   size_t max_descriptors, const StopFunction& should_stop) {
   Signatures kept;
   std::vector<const TileRecord*> missing;
@@ -87,7 +91,7 @@ bool PlaceCatalog::ReadSignatures(const MapSnapshot& snapshot, const std::vector
   const auto num_missing = static_cast<int>(missing.size());
   ParallelFor(num_missing, std::min(NumCores(), std::max(1, num_missing)), [&](int i) {
     if (!should_stop || !should_stop()) {
-      read[i] = ReadSignature(snapshot, *missing[i], max_descriptors);
+      read[i] = ReadSignature(map, *missing[i], max_descriptors);
     }
   });
   bool is_complete = true;
@@ -132,20 +136,19 @@ std::vector<SharedSegment> PlaceCatalog::MakeSegments(
   return segments;
 }
 
-CataloguedPlaces PlaceCatalog::Update(const MapSnapshot& snapshot,
-                                      const StopFunction& should_stop) {
-  const std::shared_ptr<const Codebook> codebook = snapshot.CurrentCodebook();
+CataloguedPlaces PlaceCatalog::Update(const MapTiles& map, const StopFunction& should_stop) {
+  const std::shared_ptr<const Codebook> codebook = map.CurrentCodebook();
   if (codebook == nullptr) {
     return {};
   }
-  const std::vector<TileRecord> tiles = snapshot.AllTiles(std::numeric_limits<int64_t>::max());
+  const std::vector<TileRecord> tiles = map.FindTiles(WholeEarth());
   RequireCodebook(tiles, *codebook);
   const bool is_complete =
-      ReadSignatures(snapshot, tiles, DescriptorsPerTile(tiles.size(), *codebook), should_stop);
+      ReadSignatures(map, tiles, DescriptorsPerTile(tiles.size(), *codebook), should_stop);
   return {std::make_shared<const PlaceIndex>(codebook, MakeSegments(tiles, codebook)), is_complete};
 }
 
-CataloguedPlaces PlaceCatalog::IndexOf(const MapSnapshot& snapshot,
+CataloguedPlaces PlaceCatalog::IndexOf(const MapTiles& map, MapVersion version,
                                        const StopFunction& should_stop) {
   constexpr std::chrono::milliseconds kPollInterval(2);
   std::unique_lock lock(mutex_, std::defer_lock);
@@ -157,9 +160,9 @@ CataloguedPlaces PlaceCatalog::IndexOf(const MapSnapshot& snapshot,
   if (!lock.owns_lock()) {
     lock.lock();
   }
-  if (version_ != snapshot.version() || !current_.is_complete) {
-    current_ = Update(snapshot, should_stop);
-    version_ = snapshot.version();
+  if (version_ != version || !current_.is_complete) {
+    current_ = Update(map, should_stop);
+    version_ = version;
   }
   return current_;
 }

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/stop_function.h"
 #include "engine/places/place_index.h"
 #include "engine/places/places_options.h"
+#include "engine/tiles/map_tiles.h"
 #include "storage/map/map_store.h"
 
 namespace cairn {
@@ -29,28 +31,29 @@ class PlaceCatalog {
   // `options` must outlive the object.
   explicit PlaceCatalog(const PlacesOptions* options) : options_(options) {}
 
-  // Returns the index of the snapshot's version. Reads and decodes the tiles that no earlier call
-  // has read, on all cores; threads that ask for an index meanwhile wait for it. Polls
+  // Returns the index of `map`, which is this version of a map. Reads and decodes the tiles that no
+  // earlier call has read, on all cores; threads that ask for an index meanwhile wait for it. Polls
   // `should_stop`. Once it returns true, the index lacks the tiles that were not read yet, and the
   // next call goes on. Throws Error(kMapDamaged) if a tile does not decode or has another codebook
-  // than the current one, and what MapSnapshot throws.
-  CataloguedPlaces IndexOf(const MapSnapshot& snapshot, const StopFunction& should_stop = {});
+  // than the current one, and what the calls of MapTiles throw.
+  CataloguedPlaces IndexOf(const MapTiles& map, MapVersion version,
+                           const StopFunction& should_stop = {});
 
  private:
   using Signatures = std::unordered_map<std::string, SharedSignature>;  // By digest of the tile.
 
-  CataloguedPlaces Update(const MapSnapshot& snapshot, const StopFunction& should_stop);
+  CataloguedPlaces Update(const MapTiles& map, const StopFunction& should_stop);
   // Returns the largest power of two of descriptors a tile within the options' bounds.
   size_t DescriptorsPerTile(size_t num_tiles, const Codebook& codebook) const;
   // Makes the missing signatures of the tiles. Returns false if it stopped before the end.
-  bool ReadSignatures(const MapSnapshot& snapshot, const std::vector<TileRecord>& tiles,
+  bool ReadSignatures(const MapTiles& map, const std::vector<TileRecord>& tiles,
                       size_t max_descriptors, const StopFunction& should_stop);
   std::vector<SharedSegment> MakeSegments(const std::vector<TileRecord>& tiles,
                                           const std::shared_ptr<const Codebook>& codebook) const;
 
   const PlacesOptions* options_;
   std::timed_mutex mutex_;  // Guards all below.
-  MapVersion version_{};
+  std::optional<MapVersion> version_;
   CataloguedPlaces current_;
   size_t max_descriptors_ = 0;  // Of a tile, in signatures_.
   Signatures signatures_;       // Of the version's tiles.

@@ -61,12 +61,18 @@ TEST_F(LocalizerInTiles, AnswersAsInTheMapOfTheTiles) {
   }
 }
 
-TEST_F(LocalizerInTiles, NeedsAPrior) {
-  const TilesInMemory tiles(map_->store().Snapshot());
-  const Localizer in_memory(tiles, {}, NewCache());
+TEST_F(LocalizerInTiles, AnswersWithoutAPriorAsInTheMapOfTheTiles) {
   LocalizeQuery query = QueryAt(*world_, QueryPose(20.0));
   query.prior.reset();
-  EXPECT_EQ(ErrorCodeOf([&] { in_memory.Localize(query); }), ErrorCode::kBadInput);
+  const LocalizeResult expected = localizer().Localize(query);
+  ASSERT_TRUE(expected.localized);
+  for (const bool are_decoded : {false, true}) {
+    const TilesInMemory tiles(map_->store().Snapshot(), are_decoded);
+    const Localizer in_memory(tiles, {}, NewCache());
+    ExpectSameAnswer(in_memory.Localize(query), expected);
+    EXPECT_EQ(in_memory.Localize(query).counters.num_tiles_found,
+              expected.counters.num_tiles_found);
+  }
 }
 
 TEST_F(LocalizerInTiles, ASharedCacheIsOfOneIndex) {

@@ -35,6 +35,11 @@ class PlaceCatalogTest : public ::testing::Test {
          .seed = seed * 1000 + static_cast<uint64_t>(i)});
   }
 
+  static CataloguedPlaces IndexOf(const MapSnapshot& snapshot, PlaceCatalog* catalog,
+                                  const StopFunction& should_stop = {}) {
+    return catalog->IndexOf(SnapshotTiles(snapshot), snapshot.version(), should_stop);
+  }
+
   testing::TempDir dir_;
   MapStore store_;
   CodebookId codebook_id_{};
@@ -43,7 +48,7 @@ class PlaceCatalogTest : public ::testing::Test {
 
 TEST_F(PlaceCatalogTest, HasAllTilesOfTheMap) {
   PlaceCatalog catalog(&options_);
-  const CataloguedPlaces places = catalog.IndexOf(store_.Snapshot());
+  const CataloguedPlaces places = IndexOf(store_.Snapshot(), &catalog);
   EXPECT_TRUE(places.is_complete);
   EXPECT_EQ(places.index->num_tiles(), size_t{kNumTiles});
   EXPECT_EQ(places.index->segments().size(), size_t{kNumTiles});
@@ -52,20 +57,20 @@ TEST_F(PlaceCatalogTest, HasAllTilesOfTheMap) {
 TEST_F(PlaceCatalogTest, AVersionIsReadOnce) {
   PlaceCatalog catalog(&options_);
   const MapSnapshot snapshot = store_.Snapshot();
-  const auto index = catalog.IndexOf(snapshot).index;
+  const auto index = IndexOf(snapshot, &catalog).index;
   const int64_t num_calls = store_.Stats().num_calls;
-  EXPECT_EQ(catalog.IndexOf(snapshot).index, index);
+  EXPECT_EQ(IndexOf(snapshot, &catalog).index, index);
   EXPECT_EQ(store_.Stats().num_calls, num_calls);
 }
 
 TEST_F(PlaceCatalogTest, AnUpdateRebuildsOnlyWhatItChanged) {
   PlaceCatalog catalog(&options_);
-  const auto before = catalog.IndexOf(store_.Snapshot()).index;
+  const auto before = IndexOf(store_.Snapshot(), &catalog).index;
   MapUpdate update = store_.BeginUpdate();
   testing::AddTile(TileNumber(2, 9), &update);
   update.RemoveTile(TileNumber(4, 1).id);
   update.Publish();
-  const auto after = catalog.IndexOf(store_.Snapshot()).index;
+  const auto after = IndexOf(store_.Snapshot(), &catalog).index;
   ASSERT_EQ(after->segments().size(), size_t{kNumTiles - 1});
   EXPECT_EQ(after->segments()[1], before->segments()[1]);
   EXPECT_NE(after->segments()[2], before->segments()[2]);
@@ -75,8 +80,8 @@ TEST_F(PlaceCatalogTest, AnUpdateRebuildsOnlyWhatItChanged) {
 
 TEST_F(PlaceCatalogTest, OfTheSameContentItIsTheSame) {
   PlaceCatalog one(&options_), other(&options_);
-  const auto first = one.IndexOf(store_.Snapshot()).index;
-  const auto second = other.IndexOf(store_.Snapshot()).index;
+  const auto first = IndexOf(store_.Snapshot(), &one).index;
+  const auto second = IndexOf(store_.Snapshot(), &other).index;
   QueryContext photo;
   photo.descriptors = DescriptorMatrix::Random(200, 16);
   photo.keypoints.resize(200);
@@ -94,7 +99,7 @@ TEST_F(PlaceCatalogTest, StaysWithinItsMemory) {
   const Codebook codebook = testing::RandomCodebook();
   options_.max_bytes = 100 * PlaceSegment::BytesPerDescriptor(codebook) * kNumTiles;
   PlaceCatalog catalog(&options_);
-  const auto index = catalog.IndexOf(store_.Snapshot()).index;
+  const auto index = IndexOf(store_.Snapshot(), &catalog).index;
   for (const SharedSegment& segment : index->segments()) {
     EXPECT_EQ(segment->num_descriptors(), 64u);  // 16,384, halved until it is at most 100.
   }
@@ -102,10 +107,10 @@ TEST_F(PlaceCatalogTest, StaysWithinItsMemory) {
 
 TEST_F(PlaceCatalogTest, ToldToStopItGoesOnWithTheNextCall) {
   PlaceCatalog catalog(&options_);
-  const CataloguedPlaces stopped = catalog.IndexOf(store_.Snapshot(), [] { return true; });
+  const CataloguedPlaces stopped = IndexOf(store_.Snapshot(), &catalog, [] { return true; });
   EXPECT_FALSE(stopped.is_complete);
   EXPECT_EQ(stopped.index->num_tiles(), 0u);
-  const CataloguedPlaces places = catalog.IndexOf(store_.Snapshot());
+  const CataloguedPlaces places = IndexOf(store_.Snapshot(), &catalog);
   EXPECT_TRUE(places.is_complete);
   EXPECT_EQ(places.index->num_tiles(), size_t{kNumTiles});
 }
@@ -113,7 +118,7 @@ TEST_F(PlaceCatalogTest, ToldToStopItGoesOnWithTheNextCall) {
 TEST_F(PlaceCatalogTest, AnEmptyMapHasNone) {
   const MapStore empty = MapStore::Create(dir_.File("empty.gpkg"));
   PlaceCatalog catalog(&options_);
-  EXPECT_EQ(catalog.IndexOf(empty.Snapshot()).index, nullptr);
+  EXPECT_EQ(IndexOf(empty.Snapshot(), &catalog).index, nullptr);
 }
 
 TEST_F(PlaceCatalogTest, NamesADamagedTile) {
@@ -124,7 +129,7 @@ TEST_F(PlaceCatalogTest, NamesADamagedTile) {
   update.PutTile(testing::RecordOf(tile), payload);
   update.Publish();
   PlaceCatalog catalog(&options_);
-  testing::ExpectError([&] { catalog.IndexOf(store_.Snapshot()); }, ErrorCode::kMapDamaged,
+  testing::ExpectError([&] { IndexOf(store_.Snapshot(), &catalog); }, ErrorCode::kMapDamaged,
                        tile.id.ToString());
 }
 
