@@ -42,11 +42,19 @@ void PrintAdjustment(const JointAdjustment& adjustment) {
 }
 
 void PrintComparison(const MapComparison& comparison, const char* queries) {
-  if (comparison.num_asked() == 0) {
+  if (comparison.num_asked() == 0 && comparison.nearest_tile_m == 0.0) {
     return;
   }
-  fmt::print("comparison       the map recognizes {} of {} {}", comparison.num_localized,
-             comparison.num_expected, queries);
+  fmt::print("comparison       ");
+  if (comparison.nearest_tile_m > 0.0) {
+    fmt::print("the nearest tile of the map is {:.0f} m away; ", comparison.nearest_tile_m);
+  }
+  if (comparison.num_asked() == 0) {
+    fmt::print("nothing compares the two\n");
+    return;
+  }
+  fmt::print("the map recognizes {} of {} {}", comparison.num_localized, comparison.num_expected,
+             queries);
   if (comparison.num_sought > 0) {
     fmt::print(" that stand near its own, and {} of {} others", comparison.num_found,
                comparison.num_sought);
@@ -60,7 +68,7 @@ void PrintComparison(const MapComparison& comparison, const char* queries) {
   }
   fmt::print("\n");
   PrintAnchoring(comparison);
-  if (!IsJudged(comparison)) {
+  if (!IsJudged(comparison) && comparison.nearest_tile_m == 0.0) {
     fmt::print(
         "                 too few {} agree to judge whether the placement fits the map (at least "
         "{} must); it was taken as it is, and nothing of the map fades or gives way\n",
@@ -89,6 +97,7 @@ nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
                                  {"photosRecognized", comparison.num_localized},
                                  {"photosSought", comparison.num_sought},
                                  {"photosFound", comparison.num_found},
+                                 {"nearestTileM", comparison.nearest_tile_m},
                                  {"photosAgreeing", comparison.fit.num_agreeing},
                                  {"judged", IsJudged(comparison)},
                                  {"movedM", comparison.fit.moved_m},

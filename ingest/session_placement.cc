@@ -116,7 +116,10 @@ void RequireOneGroup(const MapComparison& comparison, const std::string& newcome
   constexpr int kLeastPlaces = 5;
   const FrameSet& winner = comparison.anchoring.winner;
   const FrameSet& rival = comparison.anchoring.rival;
-  if (rival.num_places >= kLeastPlaces && 2 * rival.num_places >= winner.num_places) {
+  const bool is_as_large = 2 * rival.num_places >= winner.num_places;
+  // The other part may be small, but where it is, the map contradicts it.
+  const bool is_where_sought = 2 * comparison.num_found_elsewhere > comparison.num_sought;
+  if (rival.num_places >= kLeastPlaces && (is_as_large || is_where_sought)) {
     Refuse(newcomer,
            fmt::format("the map sees {} of its photos, in {} places, where they agree with each "
                        "other, but {} others, in {} places, agree on another motion",
@@ -260,11 +263,10 @@ void RequireAgreement(const MapComparison& comparison, const AgreementOptions& o
                       const PositionAccuracies& accuracy, const std::string& newcomer) {
   RequireRecognized(comparison, options, newcomer);
   RequireOneMotion(comparison, options, newcomer);
-  if (options.unanchored == Unanchored::kAccept) {
-    RequireOneGroup(comparison, newcomer);
-  } else {
+  if (options.unanchored != Unanchored::kAccept) {
     RequireAnchored(comparison, options, newcomer);
   }
+  RequireOneGroup(comparison, newcomer);
   if (IsJudged(comparison)) {
     RequireSmallMotion(comparison, options, accuracy, newcomer);
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/evenly_of.h"
 #include "core/geodesy.h"
 #include "core/scene/reconstruction.h"
 #include "ingest/place/keyframe_features.h"
@@ -98,20 +99,32 @@ struct MapLink {
   }
 };
 
+// The tiles of b that are near tiles of a; if there are none, some of all, evenly.
+std::vector<TileId> TilesToCompare(const MergeSource& a, const MergeSource& b) {
+  constexpr size_t kMaxFar = 12;
+  std::vector<TileId> all, near;
+  for (const TileId tile_id : b.TileIds()) {
+    all.push_back(tile_id);
+    if (!a.snapshot().FindTiles(BoxAround(tile_id.Anchor(), kHalfDiagonalM + kReachM)).empty()) {
+      near.push_back(tile_id);
+    }
+  }
+  return near.empty() ? EvenlyOf(all, kMaxFar) : near;
+}
+
 }  // namespace
 
 MapComparison CompareMaps(const MergeSource& a, const MergeSource& b, int num_threads) {
   MapAsSession view;
-  for (const TileId tile_id : b.TileIds()) {
-    if (!a.snapshot().FindTiles(BoxAround(tile_id.Anchor(), kHalfDiagonalM + kReachM)).empty()) {
-      AddImages(*b.LoadTile(tile_id), b, &view);
-    }
+  for (const TileId tile_id : TilesToCompare(a, b)) {
+    AddImages(*b.LoadTile(tile_id), b, &view);
   }
   // Only the images that the map is asked for get features, so that memory is bounded.
   std::map<TileId, std::vector<int>> images_of_tile;
   const KnownTiles known(a.snapshot(), SessionId{}, a.tiles().memory());
   const PhotosToAsk photos = ChoosePhotos(view.session, known);
-  for (const std::vector<int>* images : {&photos.expected, &photos.sought}) {
+  for (const std::vector<int>* images :
+       {&photos.expected, &photos.sought_near, &photos.sought_anywhere}) {
     for (const int image_idx : *images) {
       images_of_tile[view.keyframe_of_image[static_cast<size_t>(image_idx)].first].push_back(
           image_idx);

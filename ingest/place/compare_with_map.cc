@@ -4,38 +4,52 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/angles.h"
+#include "core/evenly_of.h"
 #include "core/frames.h"
 #include "core/geodesy.h"
 #include "core/parallel_for.h"
 #include "core/radius68.h"
 #include "core/statistics.h"
 #include "engine/localizer.h"
+#include "engine/nearest_tile.h"
 #include "ingest/place/image_query.h"
 #include "ingest/place/in_map_accuracy.h"
+#include "ingest/place/tiles_around.h"
 #include "ingest/tiles/near_view.h"
 
 namespace cairn {
 namespace {
 
 constexpr int kMaxExpected = 60;
-// Photos of elsewhere cost several times as much as photos that the map knows.
+// Photos of elsewhere cost several times as much as photos that the map knows, and more if they are
+// searched in many tiles.
 constexpr int kMaxSought = 24;
+constexpr size_t kFirstNear = 12, kFirstAnywhere = 6;
 // Accuracy of the priors of expected photos; the engine searches 50 m around.
 constexpr double kExpectedAccuracyM = 15.0;
-// Of sought photos: the engine searches twice as far, which is kReachM.
+// Of photos that are sought near by: the engine searches twice as far, which is kReachM.
 constexpr double kSoughtAccuracyM = 50.0;
 
-double SpreadOf(const std::vector<Eigen::Vector3d>& centers) {
+// Others are searched in tiles within this distance of the session.
+constexpr double kMaxSearchedM = 2000.0;
+
+Eigen::Vector3d MiddleOf(const std::vector<Eigen::Vector3d>& centers) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& center : centers) {
     middle += center;
   }
-  middle /= static_cast<double>(std::max<size_t>(1, centers.size()));
+  return middle / static_cast<double>(std::max<size_t>(1, centers.size()));
+}
+
+double SpreadOf(const std::vector<Eigen::Vector3d>& centers) {
+  const Eigen::Vector3d middle = MiddleOf(centers);
   double sum_sq_m = 0.0;
   for (const Eigen::Vector3d& center : centers) {
     sum_sq_m += (center - middle).squaredNorm();
@@ -105,22 +119,11 @@ class KnownViews {
   std::map<SessionId, std::vector<Eigen::Vector3d>> centers_of_session_;
 };
 
-std::vector<int> EvenlyOf(const std::vector<int>& all, int count) {
-  if (static_cast<int>(all.size()) <= count) {
-    return all;
-  }
-  std::vector<int> some;
-  for (int i = 0; i < count; ++i) {
-    some.push_back(all[all.size() * static_cast<size_t>(i) / static_cast<size_t>(count)]);
-  }
-  return some;
-}
-
-// Each half is spread evenly, too.
+// The first quarter is spread evenly, and so is the first half.
 std::vector<int> EvenOnesFirst(const std::vector<int>& all) {
   std::vector<int> ordered;
-  for (const size_t first : {0, 1}) {
-    for (size_t i = first; i < all.size(); i += 2) {
+  for (const size_t first : {0, 2, 1, 3}) {
+    for (size_t i = first; i < all.size(); i += 4) {
       ordered.push_back(all[i]);
     }
   }
@@ -128,27 +131,33 @@ std::vector<int> EvenOnesFirst(const std::vector<int>& all) {
 }
 
 PhotosToAsk ChooseAmong(const PlacedSession& session, const KnownTiles& map, KnownViews* known) {
-  std::vector<int> expected, others;
+  std::vector<int> expected, near, beyond;
   for (const auto& [tile_id, images_of_tile] : session.images_of_tile) {
     for (const int image_idx : images_of_tile) {
       const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
       if (known->Knows(tile_id, cam_from_ecef)) {
         expected.push_back(image_idx);
-      } else if (!map.FindTiles(
-                         BoxAround(GeodeticFromEcef(cam_from_ecef.Inverse().translation), kReachM))
-                      .empty()) {
-        others.push_back(image_idx);
+      } else {
+        const GeoBox around =
+            BoxAround(GeodeticFromEcef(cam_from_ecef.Inverse().translation), kReachM);
+        (map.FindTiles(around).empty() ? beyond : near).push_back(image_idx);
       }
     }
   }
-  return {EvenlyOf(expected, kMaxExpected), EvenOnesFirst(EvenlyOf(others, kMaxSought))};
+  return {EvenlyOf(expected, kMaxExpected), EvenOnesFirst(EvenlyOf(near, kMaxSought)),
+          EvenOnesFirst(EvenlyOf(beyond, kMaxSought))};
 }
 
+// Without an accuracy, the place is unknown.
 LocalizeQuery QueryOf(const Reconstruction& reconstruction, const PlacedSession& session,
-                      int image_idx, double accuracy_m, const std::string& codec) {
+                      int image_idx, std::optional<double> accuracy_m, const std::string& codec) {
   const Rigid3d& cam_from_ecef = session.cam_from_ecef[static_cast<size_t>(image_idx)];
   const Geodetic place = GeodeticFromEcef(cam_from_ecef.Inverse().translation);
-  LocalizeQuery query = QueryOfImage(reconstruction, image_idx, place, accuracy_m, codec);
+  LocalizeQuery query =
+      QueryOfImage(reconstruction, image_idx, place, accuracy_m.value_or(0.0), codec);
+  if (!accuracy_m) {
+    query.prior.reset();
+  }
   query.down_in_cam =
       (cam_from_ecef.rotation * (EcefFromEnu(place).rotation * DownInEnu())).normalized();
   return query;
@@ -232,13 +241,20 @@ class MapInquiry {
         session_(session),
         options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
-        localizer_(map, MostPrecise(), map.memory()->searchable()) {}
+        near_(map, MostPrecise(), map.memory()->searchable()),
+        around_(map, GeodeticFromEcef(MiddleOf(CentersOf(session))),
+                ExtentM(session.cam_from_ecef) + kMaxSearchedM),
+        anywhere_(around_, MostPrecise(), map.memory()->searchable()) {}
 
+  bool has_tiles_around() const { return !around_.empty(); }
+
+  // Searches the photos with this accuracy around where they stand, or everywhere without one.
   // Returns the number of photos that the map recognizes with this confidence.
-  int Ask(const std::vector<int>& images, double accuracy_m, double least_confidence) {
+  int Ask(std::span<const int> images, std::optional<double> accuracy_m, double least_confidence) {
+    const Localizer& localizer = accuracy_m ? near_ : anywhere_;
     std::vector<LocalizeResult> results(images.size());
     ParallelFor(static_cast<int>(images.size()), options_.num_threads, [&](int i) {
-      results[static_cast<size_t>(i)] = localizer_.Localize(
+      results[static_cast<size_t>(i)] = localizer.Localize(
           QueryOf(reconstruction_, session_, images[static_cast<size_t>(i)], accuracy_m, codec_));
     });
     int num_recognized = 0;
@@ -264,11 +280,13 @@ class MapInquiry {
     }
     FitPairs(pairs_, options_, comparison);
     std::set<int> agreeing;
-    comparison->num_agreeing_from_behind = 0;
+    comparison->num_agreeing_from_behind = comparison->num_found_elsewhere = 0;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       if (comparison->fit.agrees[i]) {
         agreeing.insert(recognized_[i]);
         comparison->num_agreeing_from_behind += is_from_behind_[i] ? 1 : 0;
+      } else if (i >= static_cast<size_t>(comparison->num_localized)) {
+        ++comparison->num_found_elsewhere;
       }
     }
     comparison->num_expected_after = comparison->num_agreeing_after = 0;
@@ -287,9 +305,11 @@ class MapInquiry {
   const PlacedSession& session_;
   const ComparisonOptions& options_;
   const std::string codec_;
-  const Localizer localizer_;
+  const Localizer near_;
+  const TilesAround around_;
+  const Localizer anywhere_;
   std::vector<int> asked_;
-  // Of the recognized photos, in parallel.
+  // Of the recognized photos, in parallel; expected photos first.
   std::vector<int> recognized_;
   std::vector<PosePair> pairs_;
   std::vector<bool> is_from_behind_;
@@ -298,6 +318,23 @@ class MapInquiry {
 bool IsDecided(const MapComparison& comparison) {
   return IsJudged(comparison) && IsAnchored(comparison.anchoring) &&
          2 * comparison.fit.num_agreeing >= comparison.num_expected;
+}
+
+// Asks for the first photos, and for the others if those leave the session undecided.
+void Seek(const std::vector<int>& photos, size_t num_first, std::optional<double> accuracy_m,
+          KnownViews* known, MapInquiry* inquiry, MapComparison* comparison) {
+  const size_t num_at_first = std::min(num_first, photos.size());
+  const std::span<const int> all(photos);
+  for (const std::span<const int> part : {all.first(num_at_first), all.subspan(num_at_first)}) {
+    const int num_found = inquiry->Ask(part, accuracy_m, kSureConfidence);
+    comparison->num_sought += static_cast<int>(part.size());
+    comparison->num_found += num_found;
+    inquiry->Fit(known, comparison);
+    const bool is_contradicted = 2 * comparison->num_found_elsewhere > comparison->num_found;
+    if (num_found == 0 || (IsDecided(*comparison) && !is_contradicted)) {
+      return;
+    }
+  }
 }
 
 }  // namespace
@@ -326,24 +363,19 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
   KnownViews known(map);
   const PhotosToAsk photos = ChooseAmong(session, map, &known);
   comparison.num_expected = static_cast<int>(photos.expected.size());
-  if (photos.expected.empty() && photos.sought.empty()) {
-    known.Describe(&comparison);
-    return comparison;
+  if (photos.expected.empty() && photos.sought_near.empty()) {
+    comparison.nearest_tile_m =
+        NearestTileM(map.stored().map(), GeodeticFromEcef(MiddleOf(CentersOf(session))))
+            .value_or(0.0);
   }
-  MapInquiry inquiry(reconstruction, session, map, options);
-  comparison.num_localized = inquiry.Ask(photos.expected, kExpectedAccuracyM, 0.0);
-  inquiry.Fit(&known, &comparison);
-  const auto middle = photos.sought.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(
-                                                  photos.sought.size(), kMaxSought / 2));
-  const std::vector<int> halves[] = {{photos.sought.begin(), middle},
-                                     {middle, photos.sought.end()}};
-  for (const std::vector<int>& half : halves) {
-    if (IsDecided(comparison) || (comparison.num_sought > 0 && comparison.num_found == 0)) {
-      break;
-    }
-    comparison.num_sought += static_cast<int>(half.size());
-    comparison.num_found += inquiry.Ask(half, kSoughtAccuracyM, kSureConfidence);
+  if (map.CurrentCodebook() != nullptr) {
+    MapInquiry inquiry(reconstruction, session, map, options);
+    comparison.num_localized = inquiry.Ask(photos.expected, kExpectedAccuracyM, 0.0);
     inquiry.Fit(&known, &comparison);
+    Seek(photos.sought_near, kFirstNear, kSoughtAccuracyM, &known, &inquiry, &comparison);
+    if (inquiry.has_tiles_around()) {
+      Seek(photos.sought_anywhere, kFirstAnywhere, std::nullopt, &known, &inquiry, &comparison);
+    }
   }
   known.Describe(&comparison);
   return comparison;

@@ -16,13 +16,18 @@
 namespace cairn {
 
 // The result of the comparison. An *expected* photo stands near a photo of the map that looks the
-// same way (ingest/tiles/near_view.h), so the map should recognize it. A *sought* photo stands in
-// or near a tile of the map; the map recognizes it if the session is misplaced.
+// same way (ingest/tiles/near_view.h), so the map should recognize it. Another photo is *sought*:
+// within 100 m of where it stands if a tile is as near, and else in all tiles around the session.
+// The map recognizes it if it, or the session, is misplaced.
 struct MapComparison {
   int num_expected = 0;   // Expected photos that were asked for.
   int num_localized = 0;  // Of these, the photos that the map recognized.
   int num_sought = 0;     // Sought photos that were asked for.
   int num_found = 0;      // Of these, the photos that the map recognized for sure.
+  // Of the photos found, those that do not agree on the motion.
+  int num_found_elsewhere = 0;
+  // From the middle of the session to the nearest tile if no photo stands within 100 m of one.
+  double nearest_tile_m = 0.0;
   // Recognized photos that see what they recognize from the side opposite to that of the mapping
   // photos, as a mirrored session or a session in a mirrored map does.
   int num_from_behind = 0;
@@ -60,15 +65,15 @@ inline constexpr int kLeastPhotosToJudge = 3;
 // map cannot tell whether the session stands in the right place.
 bool IsJudged(const MapComparison& comparison);
 
-// A session that is misplaced by more is not found.
+// Photos are sought within this distance of where they stand, or anywhere.
 inline constexpr double kReachM = 100.0;
 
 // The photos that CompareWithMap may ask for.
 struct PhotosToAsk {
   std::vector<int> expected;  // At most 60, evenly over the expected photos.
-  // At most 24, evenly over the other photos within 100 m of a tile of the map, in the order in
-  // which they are asked for.
-  std::vector<int> sought;
+  // At most 24 of each, evenly over the other photos within 100 m of a tile of the map and beyond,
+  // in the order in which they are asked for.
+  std::vector<int> sought_near, sought_anywhere;
 };
 PhotosToAsk ChoosePhotos(const PlacedSession& session, const KnownTiles& map);
 
@@ -82,10 +87,11 @@ struct ComparisonOptions {
 };
 
 // Localizes photos of the session by the features of the reconstruction: raw, or in the projected
-// space of the map's codebook. Asks for the expected photos first. If fewer than half of them agree
-// on one motion, or if they do not anchor the session, asks for the sought photos, twelve of them
-// first; the others only if the map recognizes one. A session that is misplaced by more than 100 m
-// is not found. Throws what the engine throws on a damaged map.
+// space of the map's codebook. Asks for the expected photos first. Then for the sought photos, near
+// ones and those beyond: a few first, the others only if the map recognizes one, and either fewer
+// than half of the expected photos agree on one motion and anchor the session, or most of those
+// found disagree with it. Searches the nearest 400 tiles within 2 km of the session at most, so a
+// session that is misplaced by more is not found. Throws what the engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
                              const KnownTiles& map, const ComparisonOptions& options);
 

@@ -360,6 +360,9 @@ Georegistration Georegister(const Reconstruction& reconstruction,
   Judge(problem, enu_from_normalized, options, &result);
   RequireSpreadOfFit(problem, enu_from_normalized);
   result.accuracy = AccuracyOf(problem, matched, enu_from_normalized);
+  if (options.up == UpSource::kPositions) {
+    RequireKnownUp(result.accuracy);
+  }
   result.ecef_from_world = ecef_from_enu * enu_from_normalized * normalized_from_world;
   FindFaults(matched, &result);
   return result;

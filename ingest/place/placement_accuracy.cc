@@ -1,10 +1,14 @@
 #include "ingest/place/placement_accuracy.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/check.h"
+#include "core/error.h"
 #include "core/radius68.h"
 #include "core/statistics.h"
 
@@ -103,6 +107,18 @@ PlacementAccuracy EstimatePlacementAccuracy(const std::vector<FittedPosition>& p
   const double of_direction = DirectionVariance(positions, noise * times_chance, upright_sigma_rad);
   return {.position_m = kRadius68PerSigma3d * std::sqrt(of_fit + off_after_fit + shared),
           .rotation_rad = kRadius68PerSigma3d * std::sqrt(of_direction)};
+}
+
+void RequireKnownUp(const PlacementAccuracy& accuracy) {
+  constexpr double kMaxTiltRad = 5.0 * kRadPerDeg;
+  if (accuracy.rotation_rad > kMaxTiltRad) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("georegistration: the positions alone tell which way is up to {:.0f} "
+                            "degrees only (allowed: {:.0f}), as they lie near a line or err much; "
+                            "let the photos tell it, too (--up auto), or say how they were held "
+                            "(--up top, left, right, bottom or down)",
+                            accuracy.rotation_rad * kDegPerRad, kMaxTiltRad * kDegPerRad));
+  }
 }
 
 }  // namespace cairn

@@ -34,6 +34,10 @@ struct PlacementAccuracy {
 PlacementAccuracy EstimatePlacementAccuracy(const std::vector<FittedPosition>& positions,
                                             double upright_sigma_rad);
 
+// For a fit to positions alone. Throws Error(kBadInput) if they leave the direction open to more
+// than 5 degrees: if they lie near a line, the roll about the line follows their errors.
+void RequireKnownUp(const PlacementAccuracy& accuracy);
+
 }  // namespace cairn
 
 #endif  // CAIRN_INGEST_PLACE_PLACEMENT_ACCURACY_H_

@@ -49,6 +49,16 @@ Errors ErrorsOf(const Sim3d& ecef_from_world, const testing::StreetWorld& world,
   return errors;
 }
 
+TEST(Georegister, PositionsAloneAreRefusedIfTheyLeaveTheRollOpen) {
+  const testing::StreetWorld world;
+  const Reconstruction reconstruction = world.Reconstruct();
+  GeoregisterOptions alone;
+  alone.up = UpSource::kPositions;
+  EXPECT_THAT(
+      [&] { Georegister(reconstruction, NoisyPositions(reconstruction, 1.0), alone); },
+      ::testing::ThrowsMessage<Error>(HasSubstr("the positions alone tell which way is up")));
+}
+
 TEST(Georegister, RecoversTheSimilarityFromExactPositions) {
   const testing::StreetWorld world;
   const Reconstruction reconstruction = world.Reconstruct();

@@ -193,5 +193,11 @@ TEST_F(MeetingMaps, OfTwoCodebooksAreRecodedOnDemand) {
               IsEmpty());
 }
 
+TEST_F(MeetingMaps, AreRefusedIfTheSecondStandsFarFromWhereTheFirstSeesIt) {
+  MakeB(Eigen::Vector3d(300.0, 300.0, 300.0));
+  EXPECT_THAT([&] { Merge(); }, ::testing::ThrowsMessage<Error>(
+                                    ::testing::ContainsRegex("sees [0-9]+ of its photos 519\\.")));
+}
+
 }  // namespace
 }  // namespace cairn

@@ -80,7 +80,7 @@ class MisplacedSession : public ::testing::Test {
 TEST_F(MisplacedSession, IsRefusedWithTheShiftHoweverLarge) {
   for (const Eigen::Vector3d& shift_in_enu :
        {Eigen::Vector3d(0, 10, 0), Eigen::Vector3d(25, 0, 0), Eigen::Vector3d(0, -40, 0),
-        Eigen::Vector3d(0, 0, 15)}) {
+        Eigen::Vector3d(0, 0, 15), Eigen::Vector3d(300, 0, 0)}) {
     const std::string meters = fmt::format("{:.0f}", shift_in_enu.norm());
     EXPECT_THAT(RefusalOf(Misplaced(wednesday_, 0.0, shift_in_enu), SessionNamed("wrong")),
                 AllOf(ContainsRegex("sees [0-9]+ of its photos " + meters + "\\.0[0-9] m away"),
