@@ -80,6 +80,12 @@ std::string ReadTextFile(const std::string& path, uint64_t max_bytes) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("{}: the text is UTF-16; save it as UTF-8", Printable(path)));
   }
+  if (text.find('\0') != text.npos) {
+    const bool may_be_spreadsheet = text.starts_with("PK\x03\x04") || text.starts_with("\xd0\xcf");
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: this is not a text file: it has zero bytes{}", Printable(path),
+                            may_be_spreadsheet ? "; save a spreadsheet as CSV" : ""));
+  }
   return text;
 }
 

@@ -141,6 +141,13 @@ std::vector<float> SquaresOfBytes() {
 
 ColmapDatabase::ColmapDatabase(const std::string& path) : path_(path) {
   std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    const std::filesystem::path usual = std::filesystem::path(path) / "database.db";
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: this is a folder; name the file of the COLMAP database{}", path,
+                    std::filesystem::is_regular_file(usual, ignored) ? ", " + usual.string() : ""));
+  }
   if (!std::filesystem::is_regular_file(path, ignored)) {
     throw Error(ErrorCode::kNotFound, fmt::format("{}: no such COLMAP database", path));
   }

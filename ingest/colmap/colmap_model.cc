@@ -74,6 +74,12 @@ std::string NumImagesText(const std::string& model_dir) {
 
 std::string FindColmapModel(const std::string& dir) {
   std::error_code ignored;
+  if (fs::is_regular_file(dir, ignored)) {
+    const fs::path folder = fs::absolute(dir).parent_path();
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: this is a file; name the folder of the COLMAP model{}", dir,
+                            HasModel(folder) ? ", " + folder.string() : ""));
+  }
   if (!fs::is_directory(dir, ignored)) {
     throw Error(ErrorCode::kNotFound,
                 fmt::format("{}: no such folder; expected that of a COLMAP model", dir));

@@ -97,6 +97,17 @@ TEST_F(ColmapFiles, Utf16IsNoTextModel) {
   EXPECT_THAT(RefusalOf(input), HasSubstr("not UTF-8"));
 }
 
+TEST_F(ColmapFiles, AFileOfTheModelAndTheFolderOfTheDatabaseAreCalledSo) {
+  const ColmapInput input = Write(StreetReconstruction());
+  EXPECT_THAT(RefusalOf({dir_.File("images.bin"), input.database_path, {}}),
+              HasSubstr("this is a file; name the folder of the COLMAP model, " + input.model_dir));
+  EXPECT_THAT(RefusalOf({input.database_path, input.database_path, {}}),
+              HasSubstr("this is a file; name the folder of the COLMAP model"));
+  EXPECT_THAT(
+      RefusalOf({input.model_dir, input.model_dir, {}}),
+      HasSubstr("this is a folder; name the file of the COLMAP database, " + input.database_path));
+}
+
 TEST_F(ColmapFiles, TheOnlyModelOfAProjectIsTaken) {
   const Reconstruction written = StreetReconstruction();
   ColmapInput input = Write(written);
