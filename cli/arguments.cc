@@ -60,27 +60,42 @@ int ParsePixels(const std::string& option, std::string_view text) {
 }
 
 // Names the numbers of a position that are not there.
-void RequireAllOfPosition(const std::string& option, const std::string& text) {
+void RequireAllOfPosition(const std::string& option, const std::string& text, bool needs_height) {
   constexpr std::string_view kNames[] = {"latitude", "longitude", "height"};
+  const std::string_view expected =
+      needs_height ? "latitude, longitude and height" : "latitude, longitude and, if known, height";
   const std::vector<std::string_view> parts = SplitAtCommas(text);
+  const size_t num_needed = needs_height || parts.size() > 2 ? 3 : 2;
   std::vector<std::string_view> missing;
-  for (size_t i = 0; i < std::size(kNames); ++i) {
+  for (size_t i = 0; i < num_needed; ++i) {
     if (i >= parts.size() || parts[i].empty()) {
       missing.push_back(kNames[i]);
     }
   }
   if (!missing.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: expected latitude, longitude and height, separated by commas; "
-                            "'{}' lacks the {}",
-                            option, Excerpt(text), fmt::join(missing, " and the ")));
+                fmt::format("{}: expected {}, separated by commas; '{}' lacks the {}", option,
+                            expected, Excerpt(text), fmt::join(missing, " and the ")));
   }
   if (parts.size() > std::size(kNames)) {
     throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: expected latitude, longitude and height, separated by commas; "
-                            "'{}' has {} numbers. Write decimals with a point",
-                            option, Excerpt(text), parts.size()));
+                fmt::format("{}: expected {}, separated by commas; '{}' has {} numbers. Write "
+                            "decimals with a point",
+                            option, expected, Excerpt(text), parts.size()));
   }
+}
+
+Geodetic ParsePosition(const std::string& option, const std::string& text, bool needs_height) {
+  RequireAllOfPosition(option, text, needs_height);
+  const std::vector<double> numbers = ParseNumbers(option, text, 0);
+  const double h_m = numbers.size() > 2 ? numbers[2] : 0.0;
+  const Geodetic position = Geodetic::FromDegrees(numbers[0], numbers[1], h_m);
+  try {
+    ValidateGeodetic(position, option.c_str());
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kInvalidArgument, error.what());
+  }
+  return position;
 }
 
 }  // namespace
@@ -161,15 +176,11 @@ Camera ParseCamera(const std::string& option, const std::string& text) {
 }
 
 Geodetic ParseGeodetic(const std::string& option, const std::string& text) {
-  RequireAllOfPosition(option, text);
-  const std::vector<double> numbers = ParseNumbers(option, text, 3);
-  const Geodetic position = Geodetic::FromDegrees(numbers[0], numbers[1], numbers[2]);
-  try {
-    ValidateGeodetic(position, option.c_str());
-  } catch (const Error& error) {
-    throw Error(ErrorCode::kInvalidArgument, error.what());
-  }
-  return position;
+  return ParsePosition(option, text, /*needs_height=*/true);
+}
+
+Geodetic ParsePlace(const std::string& option, const std::string& text) {
+  return ParsePosition(option, text, /*needs_height=*/false);
 }
 
 Eigen::Vector3d ParseDirection(const std::string& option, const std::string& text) {

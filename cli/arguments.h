@@ -41,6 +41,9 @@ Camera ParseCamera(const std::string& option, const std::string& text);
 // Parses "lat,lon,h" in degrees and meters. The error names the numbers that are missing.
 Geodetic ParseGeodetic(const std::string& option, const std::string& text);
 
+// The same, but the height may be missing; it is then 0.
+Geodetic ParsePlace(const std::string& option, const std::string& text);
+
 // Parses "x,y,z" of any length except zero. Returns a unit vector.
 Eigen::Vector3d ParseDirection(const std::string& option, const std::string& text);
 

@@ -207,7 +207,7 @@ void AddQueryOptions(CLI::App* command, LocalizeArguments* arguments) {
       ->add_option("--prior", arguments->prior,
                    "Approximate position, degrees and meters. Default: the position in the photo's "
                    "EXIF, if there is one")
-      ->type_name("lat,lon,h");
+      ->type_name("lat,lon[,h]");
   AddHeightOption(command, &arguments->height,
                   "Reference of the heights in --prior and --gps: the WGS84 ellipsoid or mean sea "
                   "level (EGM96). Default: ellipsoid");
@@ -239,7 +239,7 @@ PhotoQueryOptions QueryOptionsOf(const LocalizeArguments& arguments) {
   if (arguments.prior) {
     options.prior.emplace();
     options.prior->position =
-        WithEllipsoidalHeight(ParseGeodetic("--prior", *arguments.prior),
+        WithEllipsoidalHeight(ParsePlace("--prior", *arguments.prior),
                               arguments.height.value_or(HeightReference::kEllipsoid));
     options.prior->accuracy_m = arguments.accuracy_m;
   }

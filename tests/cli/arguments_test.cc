@@ -31,6 +31,20 @@ TEST(ParseGeodetic, NamesTheNumbersThatAreMissing) {
   expect("55.6 13.1,8,72", "'55.6 13.1' is not a finite number");
 }
 
+TEST(ParsePlace, TheHeightMayBeMissing) {
+  const Geodetic place = ParsePlace("--prior", "55.6985, 13.1950");
+  EXPECT_NEAR(place.lon_deg(), 13.195, 1e-9);
+  EXPECT_EQ(place.h_m, 0.0);
+  EXPECT_EQ(ParsePlace("--prior", "55.6985,13.1950,72").h_m, 72.0);
+  const auto expect = [](const char* text, const char* finding) {
+    ExpectError([&] { ParsePlace("--prior", text); }, ErrorCode::kInvalidArgument, finding);
+  };
+  expect("55.6", "expected latitude, longitude and, if known, height");
+  expect("55.6", "lacks the longitude");
+  expect("55.6,13.1,", "lacks the height");
+  expect("95.6,13.1", "--prior");
+}
+
 TEST(UtcTimeOf, ReadsDatesOffsetsAndFractions) {
   EXPECT_EQ(UtcTimeOf("2026-01-31"), "2026-01-31T00:00:00Z");
   EXPECT_EQ(UtcTimeOf("2026-01-31T12:00:00Z"), "2026-01-31T12:00:00Z");

@@ -147,7 +147,7 @@ TEST_F(ExitCode, CameraOfAnotherSizeThanThePhotoIsBadInput) {
 
 TEST_F(ExitCode, NumbersThatAreNoneAreUsage) {
   const std::string map = EmptyMap();
-  for (const char* prior : {"47,8", "47,8,nan", "47,8,inf", "91,8,0", "47,8,4o8", "", ",,"}) {
+  for (const char* prior : {"47", "47,8,nan", "47,8,inf", "91,8,0", "47,8,4o8", "", ",,"}) {
     const Finished finished = RunCairn({"localize", map, "--image", Photo(), "--camera",
                                         "SIMPLE_PINHOLE,64,48,50,32,24", "--prior", prior});
     ExpectFailure(finished, 2, "--prior");
