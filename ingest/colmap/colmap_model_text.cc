@@ -25,6 +25,13 @@ constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 // The keypoints of an image are one line.
 constexpr size_t kMaxLineBytes = size_t{512} << 20;
 
+// The rest of a whole number that a program wrote as 1024.0.
+template <typename T>
+bool IsZeroFraction(std::string_view rest) {
+  return std::is_integral_v<T> && rest.starts_with('.') &&
+         rest.find_first_not_of('0', 1) == rest.npos;
+}
+
 // Reads the lines of a file and the words of the current line.
 class TextFile {
  public:
@@ -98,9 +105,11 @@ class TextFile {
   template <typename T>
   T Number(const char* what) {
     const std::string_view word = Word(what);
+    const bool has_plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+    const char* const word_end = word.data() + word.size();
     T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) {
+    const auto [end, error] = std::from_chars(word.data() + (has_plus ? 1 : 0), word_end, value);
+    if (error != std::errc() || !(end == word_end || IsZeroFraction<T>({end, word_end}))) {
       Throw(fmt::format("'{}' is not a valid {}", Excerpt(word), what));
     }
     if constexpr (std::is_floating_point_v<T>) {

@@ -360,6 +360,22 @@ TEST_F(ColmapReader, TextErrorsNameTheLine) {
   EXPECT_THAT(message, HasSubstr("abc"));
 }
 
+TEST_F(ColmapReader, TextModelsMayWriteWholeNumbersWithFractionsAndSigns) {
+  Write(TinyModel(), /*binary=*/false);
+  const std::string cameras = ReadAll(dir_.File("cameras.txt"));
+  WriteAll(dir_.File("cameras.txt"), cameras + "4 SIMPLE_PINHOLE +640 480.00 +500.5 320 240\n");
+  const Camera camera = ReadColmapModel(dir_.path().string()).cameras.at(4);
+  EXPECT_EQ(camera.width_px(), 640);
+  EXPECT_EQ(camera.height_px(), 480);
+  EXPECT_EQ(camera.focal_px(), 500.5);
+  for (const char* bad : {"640.5", "640.x", "+-640", "640,0", "640.0.0"}) {
+    WriteAll(dir_.File("cameras.txt"), cameras + "4 SIMPLE_PINHOLE " + bad + " 480 500 320 240\n");
+    const auto [code, message] = ErrorOf([&] { ReadColmapModel(dir_.path().string()); });
+    EXPECT_EQ(code, ErrorCode::kBadInput);
+    EXPECT_THAT(message, HasSubstr("line 3: '" + std::string(bad) + "' is not a valid width"));
+  }
+}
+
 TEST_F(ColmapReader, TruncatedTextModelsNeverCrash) {
   Write(TinyModel(), /*binary=*/false);
   for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
