@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <vector>
 
 #include "core/logging.h"
+#include "core/printable.h"
 #include "ingest/colmap/colmap_columns.h"
 #include "storage/database/sqlite/connection.h"
 
@@ -20,7 +22,6 @@ using Priors = std::unordered_map<std::string, ColmapPosePrior>;
 constexpr int64_t kWgs84 = 0;
 constexpr int64_t kCameraSensor = 0;
 
-constexpr double kMaxHeightM = 12'000.0;
 // No receiver is better; a smaller value is no standard deviation in meters.
 constexpr double kMinAccuracyM = 1e-3;
 // A gravity vector is a direction or an acceleration.
@@ -41,14 +42,32 @@ std::optional<std::array<double, N>> Doubles(const sqlite::Statement& row, int c
   return values;
 }
 
-std::optional<Geodetic> PlaceAt(double lat_deg, double lon_deg, double h_m) {
-  const double known_h_m = std::isnan(h_m) ? 0.0 : h_m;
-  const bool is_place = std::abs(lat_deg) <= 90.0 && std::abs(lon_deg) <= 180.0 &&
-                        std::abs(known_h_m) <= kMaxHeightM && (lat_deg != 0.0 || lon_deg != 0.0);
-  if (!is_place) {
+// Positions that do not count.
+struct LeftOut {
+  int64_t num_of_other_systems = 0;
+  int64_t num_impossible = 0;
+  std::string example;  // Of the impossible ones.
+};
+
+// A height that no place has is brought to the limits of Geodetic, where it is none
+// (CheckPositions).
+std::optional<Geodetic> PlaceAt(const std::array<double, 3>& position, const std::string& name,
+                                LeftOut* left_out) {
+  const auto [lat_deg, lon_deg, h_m] = position;
+  const bool is_unknown =
+      (std::isnan(lat_deg) && std::isnan(lon_deg)) || (lat_deg == 0.0 && lon_deg == 0.0);
+  if (is_unknown) {
     return std::nullopt;
   }
-  return Geodetic::FromDegrees(lat_deg, lon_deg, known_h_m);
+  if (!(std::abs(lat_deg) <= 90.0 && std::abs(lon_deg) <= 180.0)) {
+    if (left_out->num_impossible++ == 0) {
+      left_out->example = fmt::format("{}, {} of {}", lat_deg, lon_deg, Excerpt(name));
+    }
+    return std::nullopt;
+  }
+  return Geodetic::FromDegrees(
+      lat_deg, lon_deg,
+      std::isnan(h_m) ? 0.0 : std::clamp(h_m, Geodetic::kMinHeightM, Geodetic::kMaxHeightM));
 }
 
 // Returns the radius that holds 68 % of a circular Gaussian with the mean variance of east and
@@ -71,28 +90,27 @@ std::optional<Eigen::Vector3d> DirectionOf(const std::array<double, 3>& gravity)
 }
 
 // Fills what `prior` lacks from a row of `pose_priors`: name, coordinate system, position,
-// covariance, gravity. Returns false if the row has a position of another coordinate system.
-bool AddRow(const sqlite::Statement& row, ColmapPosePrior* prior) {
+// covariance, gravity.
+void AddRow(const sqlite::Statement& row, ColmapPosePrior* prior, LeftOut* left_out) {
   if (const auto gravity = Doubles<3>(row, 4); gravity && !prior->down_in_cam) {
     prior->down_in_cam = DirectionOf(*gravity);
   }
   const auto position = Doubles<3>(row, 2);
   if (!position || std::isnan((*position)[0])) {
-    return true;
+    return;
   }
   if (row.Int64(1) != kWgs84) {
-    return false;
+    ++left_out->num_of_other_systems;
+    return;
   }
   if (!prior->gps) {
-    const auto [lat_deg, lon_deg, h_m] = *position;
-    prior->gps = PlaceAt(lat_deg, lon_deg, h_m);
+    prior->gps = PlaceAt(*position, row.Text(0), left_out);
     const auto covariance = Doubles<9>(row, 3);
     prior->gps_accuracy_m = prior->gps && covariance ? AccuracyOf(*covariance) : std::nullopt;
   }
-  return true;
 }
 
-void ReadTable(const std::string& path, sqlite::Connection* connection, Priors* priors) {
+void ReadTable(sqlite::Connection* connection, Priors* priors, LeftOut* left_out) {
   const auto column = [&](const char* name) {
     return HasColumn(connection, "pose_priors", name) ? fmt::format("p.{}", name) : "NULL";
   };
@@ -107,19 +125,12 @@ void ReadTable(const std::string& path, sqlite::Connection* connection, Priors* 
       by_datum ? fmt::format("corr_data_id WHERE p.corr_sensor_type = {} ORDER BY p.pose_prior_id",
                              kCameraSensor)
                : std::string("image_id")));
-  int64_t num_others = 0;
   while (row.Step()) {
-    num_others += AddRow(row, &(*priors)[row.Text(0)]) ? 0 : 1;
-  }
-  if (num_others > 0) {
-    LogWarning(
-        "COLMAP database {}: {} of its positions are ignored because their coordinate system "
-        "is not WGS84",
-        path, num_others);
+    AddRow(row, &(*priors)[row.Text(0)], left_out);
   }
 }
 
-void ReadColumns(sqlite::Connection* connection, Priors* priors) {
+void ReadColumns(sqlite::Connection* connection, Priors* priors, LeftOut* left_out) {
   if (!HasColumn(connection, "images", "prior_tx")) {
     return;
   }
@@ -129,8 +140,24 @@ void ReadColumns(sqlite::Connection* connection, Priors* priors) {
   while (row.Step()) {
     std::optional<Geodetic>& gps = (*priors)[row.Text(0)].gps;
     if (!gps) {
-      gps = PlaceAt(row.Number(1), row.Number(2), row.IsNull(3) ? 0.0 : row.Number(3));
+      gps = PlaceAt({row.Number(1), row.Number(2), row.IsNull(3) ? 0.0 : row.Number(3)},
+                    row.Text(0), left_out);
     }
+  }
+}
+
+void LogLeftOut(const std::string& path, const LeftOut& left_out) {
+  if (left_out.num_of_other_systems > 0) {
+    LogWarning(
+        "COLMAP database {}: {} of its positions are ignored because their coordinate system "
+        "is not WGS84",
+        path, left_out.num_of_other_systems);
+  }
+  if (left_out.num_impossible > 0) {
+    LogWarning(
+        "COLMAP database {}: {} of its positions are ignored because they are no latitude and "
+        "longitude in degrees, e.g. {}",
+        path, left_out.num_impossible, left_out.example);
   }
 }
 
@@ -139,8 +166,10 @@ void ReadColumns(sqlite::Connection* connection, Priors* priors) {
 std::unordered_map<std::string, ColmapPosePrior> ReadColmapPosePriors(
     const std::string& path, sqlite::Connection* connection) {
   Priors priors;
-  ReadTable(path, connection, &priors);
-  ReadColumns(connection, &priors);
+  LeftOut left_out;
+  ReadTable(connection, &priors, &left_out);
+  ReadColumns(connection, &priors, &left_out);
+  LogLeftOut(path, left_out);
   return priors;
 }
 

@@ -32,7 +32,8 @@ struct ColmapPosePrior {
 // Positions count if they are WGS84 and not (0, 0), which COLMAP writes for photos without GPS. NaN
 // and NULL mean that a value is unknown. The accuracy comes from the horizontal part of the
 // covariance, which is in square meters. COLMAP's gravity points down in the camera frame. Logs a
-// warning for `path` if positions have another coordinate system.
+// warning for `path` if positions have another coordinate system, or are no latitude and longitude
+// in degrees; these do not count.
 std::unordered_map<std::string, ColmapPosePrior> ReadColmapPosePriors(
     const std::string& path, sqlite::Connection* connection);
 

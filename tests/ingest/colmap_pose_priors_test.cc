@@ -133,6 +133,26 @@ TEST_F(ColmapPosePriors, GpsInWholeDegreesIsGps) {
   EXPECT_EQ(gps->h_m, 0.0);
 }
 
+TEST_F(ColmapPosePriors, GpsThatIsNotOnEarthIsLeftOutWithAWord) {
+  const ColmapInput input =
+      Write(StreetReconstruction(), true, {.gps = ColmapGpsTable::kImageColumns});
+  const Reconstruction written = ReadColmap(input);
+  const auto change = [&](int image, const std::string& what) {
+    testing::ExecuteRaw(input.database_path, "UPDATE images SET " + what + " WHERE name = '" +
+                                                 written.images[image].name + "'");
+  };
+  change(0, "prior_tx = 200.0");
+  change(1, "prior_ty = -9e999");
+  change(2, "prior_tz = 1e6");
+  ::testing::internal::CaptureStderr();
+  const Reconstruction read = ReadColmap(input);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              ::testing::HasSubstr("2 of its positions are ignored because they are no latitude"));
+  EXPECT_FALSE(read.images[0].gps || read.images[1].gps);
+  // The checks of positions take such a height for none.
+  EXPECT_EQ(read.images[2].gps.value().h_m, Geodetic::kMaxHeightM);
+}
+
 TEST_F(ColmapPosePriors, GpsAtNullIslandIsNoGps) {
   Reconstruction written = StreetReconstruction();
   written.images[0].gps = Geodetic{};
