@@ -19,6 +19,7 @@
 #include "cli/rig_photos.h"
 #include "cli/shell.h"
 #include "core/angles.h"
+#include "core/camera_of_this_size.h"
 #include "core/error.h"
 #include "core/features/sift/sift_extractor.h"
 #include "core/geodesy.h"
@@ -66,7 +67,18 @@ LocalizeResult Answer(const LocalizeArguments& arguments, const Photo& photo,
   return localizer.Localize(*query);
 }
 
-void PrintPose(const LocalizeResult& result) {
+void PrintCamera(const Camera& stated, const CameraEstimate& estimate) {
+  const bool is_turned = HasAxesExchanged(stated, estimate.camera);
+  fmt::print("focal length {:.1f} +- {:.1f} px; {} {:.1f} +- {:.1f} px\n",
+             estimate.camera.focal_px(), estimate.focal_sigma_px,
+             estimate.focal_disagrees && !is_turned ? "contradicts the assumed" : "assumed:",
+             estimate.assumed_focal_px, estimate.assumed_focal_sigma_px);
+  if (is_turned) {
+    fmt::print("camera       fits the photo only with x and y exchanged: check which side is up\n");
+  }
+}
+
+void PrintPose(const Camera& stated, const LocalizeResult& result) {
   const Rigid3d enu_from_cam =
       EcefFromEnu(result.position).Inverse() * result.cam_from_ecef.Inverse();
   const Eigen::Vector3d forward = enu_from_cam.rotation * Eigen::Vector3d::UnitZ();
@@ -84,11 +96,7 @@ void PrintPose(const LocalizeResult& result) {
       result.position_accuracy_m, result.rotation_accuracy_rad * kDegPerRad,
       result.EarthAccuracyM(), result.EarthAccuracyRad() * kDegPerRad);
   if (result.camera) {
-    const CameraEstimate& camera = *result.camera;
-    fmt::print("focal length {:.1f} +- {:.1f} px; {} {:.1f} +- {:.1f} px\n",
-               camera.camera.focal_px(), camera.focal_sigma_px,
-               camera.focal_disagrees ? "contradicts the assumed" : "assumed:",
-               camera.assumed_focal_px, camera.assumed_focal_sigma_px);
+    PrintCamera(stated, *result.camera);
   }
   fmt::print("confidence   {:.3f}\n", result.confidence);
   fmt::print("evidence     score {:.1f}; probability by chance {:.1g}\n", result.score,
@@ -114,7 +122,7 @@ void PrintPrior(const std::optional<PositionPrior>& prior) {
 
 void PrintText(const LocalizeQuery& query, const LocalizeResult& result) {
   if (result.localized) {
-    PrintPose(result);
+    PrintPose(query.camera, result);
   } else {
     fmt::print("not localized: {}{}{}\n", NotLocalizedReasonName(result.reason),
                result.reason_text.empty() ? "" : ": ", result.reason_text);

@@ -51,4 +51,12 @@ std::optional<Camera> CameraOfThisSize(const Camera& stated) {
   return std::nullopt;
 }
 
+bool HasAxesExchanged(const Camera& stated, const Camera& other) {
+  constexpr double kSamePx = 1e-3;
+  const Eigen::Vector2d stated_px = PrincipalPointPx(stated);
+  const Eigen::Vector2d other_px = PrincipalPointPx(other);
+  return (stated_px - other_px).norm() > kSamePx &&
+         (stated_px.reverse() - other_px).norm() <= kSamePx;
+}
+
 }  // namespace cairn

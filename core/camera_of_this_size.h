@@ -16,6 +16,10 @@ namespace cairn {
 // point, too, so which of the two is right, only matches with the map tell.
 std::optional<Camera> CameraOfThisSize(const Camera& stated);
 
+// True if `other` has the principal point of `stated` with x and y exchanged, as CameraOfThisSize
+// turns it.
+bool HasAxesExchanged(const Camera& stated, const Camera& other);
+
 }  // namespace cairn
 
 #endif  // CAIRN_CORE_CAMERA_OF_THIS_SIZE_H_

@@ -128,7 +128,9 @@ TEST_F(UnknownCamera, ParametersOfAnotherSizeOfThePictureAreRecognized) {
                          {focal_px, 0.5 * height_px, 0.5 * width_px});
   const LocalizeResult result = map_->localizer().Localize(turned);
   ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
-  EXPECT_TRUE(result.camera && result.camera->focal_disagrees);
+  ASSERT_TRUE(result.camera && result.camera->focal_disagrees);
+  EXPECT_TRUE(HasAxesExchanged(turned.camera, result.camera->camera));
+  EXPECT_FALSE(HasAxesExchanged(right.camera, result.camera->camera));
 }
 
 // The upper left part of a picture has its principal point on the diagonal, too.
