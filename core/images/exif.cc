@@ -12,6 +12,7 @@
 #include "core/images/image_header.h"
 #include "core/images/raw_profile.h"
 #include "core/images/tiff_directory.h"
+#include "core/images/xmp_position.h"
 #include "core/random.h"
 
 namespace cairn {
@@ -83,6 +84,14 @@ void ReadGps(const TiffDirectory& gps, ExifInfo* info) {
   const std::optional<double> error_m = gps.Number(kPositioningErrorTag);
   if (error_m && *error_m > 0.0) {
     info->gps_error_m = error_m;
+  }
+}
+
+void TakeXmpPosition(std::string_view xmp, ExifInfo* info) {
+  const std::optional<XmpPosition> found = ReadXmpPosition(xmp);
+  if (found && !info->gps && !info->gps_is_void) {
+    info->gps = found->position;
+    info->has_altitude = found->has_altitude;
   }
 }
 
@@ -180,6 +189,7 @@ ExifInfo ReadExif(std::span<const uint8_t> image_bytes) {
     first = TiffDirectory::First(profile);
   }
   ReadGps(first.Pointed(kGpsDirectoryTag), &info);
+  TakeXmpPosition(header.xmp, &info);
   const double orientation = first.Number(kOrientationTag).value_or(1.0);
   info.orientation = orientation >= 1.0 && orientation <= 8.0 ? static_cast<int>(orientation) : 1;
   const TiffDirectory exif = first.Pointed(kExifDirectoryTag);

@@ -16,7 +16,7 @@ inline constexpr double kFilmLongSideMm = 36.0;
 
 struct ExifInfo {
   // Height as in the file. Latitude and longitude 0 are those of a receiver without a fix; they
-  // count as no position.
+  // count as no position. If the EXIF has no position, that of the XMP of a JPEG.
   std::optional<Geodetic> gps;
   // The file does not say north or south, or east or west: north and east are assumed.
   bool gps_lacks_hemisphere = false;

@@ -93,9 +93,15 @@ Bytes NextSegment(Bytes bytes, size_t* at) {
   return content;
 }
 
-bool StatesProjection(Bytes xmp) {
-  const std::string_view text(reinterpret_cast<const char*>(xmp.data()), xmp.size());
-  return text.find("GPano:ProjectionType") != text.npos;
+// The first block that is XMP counts: what does not fit into it, and is no place, follows in
+// others.
+void TakeXmp(Bytes block, ImageHeader* header) {
+  constexpr std::string_view kSignature("http://ns.adobe.com/xap/1.0/\0", 29);
+  const std::string_view text(reinterpret_cast<const char*>(block.data()), block.size());
+  header->is_panorama |= text.find("GPano:ProjectionType") != text.npos;
+  if (header->xmp.empty() && text.starts_with(kSignature)) {
+    header->xmp = text.substr(kSignature.size());
+  }
 }
 
 ImageHeader ParseJpeg(Bytes bytes) {
@@ -111,7 +117,7 @@ ImageHeader ParseJpeg(Bytes bytes) {
     if (marker == kApp1 && StartsWith(segment, kExifSignature)) {
       TakeExif(segment, &header);
     } else if (marker == kApp1) {
-      header.is_panorama |= StatesProjection(segment);
+      TakeXmp(segment, &header);
     } else if (IsStartOfFrame(marker)) {
       if (segment.size() < 5) {
         ThrowTruncated("JPEG");

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace cairn {
 
@@ -20,6 +21,8 @@ struct ImageHeader {
   // A text chunk of a PNG with the EXIF as digits, as a view (raw_profile.h); empty if there is
   // none.
   std::span<const uint8_t> raw_profile;
+  // The XMP of a JPEG, as a view of the parsed bytes; empty if there is none.
+  std::string_view xmp = {};
   // A JPEG whose XMP states a projection (GPano:ProjectionType), as phones and editors write for
   // panoramas: no lens makes such a picture.
   bool is_panorama = false;

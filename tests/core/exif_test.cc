@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <string>
 #include <vector>
 
 #include "core/error.h"
@@ -50,6 +51,17 @@ ExifContent PhonePhoto(bool is_little_endian) {
   content.maker_note = Bytes(300, 0x12);
   content.has_thumbnail_directory = true;
   return content;
+}
+
+// A JPEG whose only metadata are these properties of an XMP.
+ExifInfo ReadXmp(const std::string& properties) {
+  const std::string packet =
+      std::string("http://ns.adobe.com/xap/1.0/\0", 29) + "<rdf:Description " + properties + "/>";
+  Bytes jpeg = Jpeg();
+  Bytes app1 = {0xff, 0xe1, 0, static_cast<uint8_t>(2 + packet.size())};
+  app1.insert(app1.end(), packet.begin(), packet.end());
+  jpeg.insert(jpeg.begin() + 2, app1.begin(), app1.end());
+  return ReadExif(jpeg);
 }
 
 ExifInfo ReadBlock(const Bytes& block) { return ReadExif(JpegWithExifBlock(Jpeg(), block)); }
@@ -374,6 +386,36 @@ TEST(Exif, StrayBytesBetweenSegmentsAreSkipped) {
       EXPECT_EQ(exif.width_px, 640);
       ExpectPhonePhoto(exif);
     }
+  }
+}
+
+TEST(ReadExif, ThePositionMayBeInTheXmp) {
+  const ExifInfo drone = ReadXmp(
+      "drone-dji:AbsoluteAltitude=\"+72.50\" drone-dji:GpsLatitude=\"+55.698\" "
+      "drone-dji:GpsLongtitude=\"-13.195\"");
+  ASSERT_TRUE(drone.gps.has_value());
+  EXPECT_NEAR(drone.gps->lat_deg(), 55.698, 1e-9);
+  EXPECT_NEAR(drone.gps->lon_deg(), -13.195, 1e-9);
+  EXPECT_TRUE(drone.has_altitude);
+  EXPECT_EQ(drone.gps->h_m, 72.5);
+  const ExifInfo editor = ReadXmp(
+      "exif:GPSLatitude='33,30.6S' exif:GPSAltitude='25/2' exif:GPSAltitudeRef='1'>"
+      "<exif:GPSLongitude>70,30,36E</exif:GPSLongitude>");
+  ASSERT_TRUE(editor.gps.has_value());
+  EXPECT_NEAR(editor.gps->lat_deg(), -33.51, 1e-9);
+  EXPECT_NEAR(editor.gps->lon_deg(), 70.51, 1e-9);
+  EXPECT_EQ(editor.gps->h_m, -12.5);
+}
+
+TEST(ReadExif, PositionsOfXmpThatCannotBeAreNone) {
+  for (const char* properties :
+       {"drone-dji:GpsLatitude=\"0\" drone-dji:GpsLongitude=\"0\"",
+        "drone-dji:GpsLatitude=\"95\" drone-dji:GpsLongitude=\"8\"",
+        "drone-dji:GpsLatitude=\"nan\" drone-dji:GpsLongitude=\"8\"",
+        "drone-dji:GpsLatitude=\"47\"", "exif:GPSLatitude='47,30' exif:GPSLongitude='8,30E'",
+        "exif:GPSLatitude='47,30N' exif:GPSLongitude='8,30E", "exif:GPSLatitude=\"",
+        "exif:GPSStatus='V' exif:GPSLatitude='47,3N' exif:GPSLongitude='8,3E'"}) {
+    EXPECT_FALSE(ReadXmp(properties).gps.has_value()) << properties;
   }
 }
 
