@@ -134,8 +134,7 @@ std::vector<ListedPhoto> PhotosOf(const LocalizeArguments& arguments) {
   std::vector<ListedPhoto> photos =
       ReadPhotoList(arguments.batch.images, arguments.batch.image_dir);
   if (!arguments.batch.gps_path.empty()) {
-    AddTablePriors(arguments.batch.gps_path, arguments.height.value_or(HeightReference::kEllipsoid),
-                   arguments.accuracy_m, &photos);
+    AddTablePriors(arguments.batch.gps_path, arguments.height, arguments.accuracy_m, &photos);
   }
   return photos;
 }

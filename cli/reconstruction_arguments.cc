@@ -122,7 +122,7 @@ Georegistration PlaceByControl(const Reconstruction& reconstruction,
                                const ReconstructionArguments& arguments,
                                const GeoregisterOptions& options) {
   std::vector<ControlPoint> points = ReadControlPoints(arguments.control_path);
-  MakeHeightsEllipsoidal(arguments.height.value_or(HeightReference::kEllipsoid), &points);
+  MakeHeightsEllipsoidal(arguments.height, &points);
   Georegistration result = GeoregisterByControl(reconstruction, points, options);
   const int num_outliers = result.num_positions - result.num_inliers;
   if (num_outliers > 0) {
@@ -212,9 +212,8 @@ Georegistration GeoregisterByArguments(const Reconstruction& reconstruction,
   }
   const PositionFindings findings = CheckPositions(arguments.camera_height_m, &positions);
   MakeHeightsEllipsoidal(
-      arguments.height.value_or(arguments.use_gps ? HeightReference::kMeanSeaLevel
-                                                  : HeightReference::kEllipsoid),
-      &positions);
+      arguments.height,
+      arguments.use_gps ? HeightReference::kMeanSeaLevel : HeightReference::kEllipsoid, &positions);
   Georegistration result = Georegister(reconstruction, positions, options, exif.orientations);
   result.notes = NotesOn(reconstruction, findings, result);
   std::ranges::move(notes, std::back_inserter(result.notes));

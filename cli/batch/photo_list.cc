@@ -197,7 +197,7 @@ std::vector<ListedPhoto> ReadPhotoList(const std::string& path, const std::strin
   return photos;
 }
 
-void AddTablePriors(const std::string& table_path, HeightReference height,
+void AddTablePriors(const std::string& table_path, std::optional<HeightReference> height,
                     double default_accuracy_m, std::vector<ListedPhoto>* photos) {
   std::vector<std::string> names;
   std::unordered_map<std::string, size_t> photo_of_name;
@@ -206,13 +206,15 @@ void AddTablePriors(const std::string& table_path, HeightReference height,
     photo_of_name.emplace((*photos)[i].name, i);
   }
   std::vector<std::string> notes;
-  for (const CameraPosition& row :
-       ReadPositionsOfPhotos(table_path, names, &notes, default_accuracy_m)) {
+  std::vector<CameraPosition> rows =
+      ReadPositionsOfPhotos(table_path, names, &notes, default_accuracy_m);
+  MakeHeightsEllipsoidal(height, HeightReference::kEllipsoid, &rows);
+  for (const CameraPosition& row : rows) {
     if (row.position.lat_rad == 0.0 && row.position.lon_rad == 0.0) {
       continue;
     }
     PositionPrior prior;
-    prior.position = WithEllipsoidalHeight(row.position, height);
+    prior.position = row.position;
     prior.accuracy_m = std::min(row.accuracy_m, PositionPrior::kMaxAccuracyM);
     (*photos)[photo_of_name.at(row.image_name)].prior = prior;
   }

@@ -31,8 +31,9 @@ struct ListedPhoto {
 std::vector<ListedPhoto> ReadPhotoList(const std::string& path, const std::string& image_dir);
 
 // Gives the photos the positions of a table (ReadPositionsOfPhotos) as priors. A photo without a
-// row keeps its prior. Positions at 0, 0 do not count.
-void AddTablePriors(const std::string& table_path, HeightReference height,
+// row keeps its prior. Positions at 0, 0 do not count. Heights are above `height`, else above what
+// the table states, else above the ellipsoid.
+void AddTablePriors(const std::string& table_path, std::optional<HeightReference> height,
                     double default_accuracy_m, std::vector<ListedPhoto>* photos);
 
 }  // namespace cairn

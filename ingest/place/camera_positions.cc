@@ -67,6 +67,9 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
     position.position = table.Position(position.image_name);
     position.accuracy_m = table.AccuracyOr(default_accuracy_m);
     position.has_height = table.Has("h_m");
+    if (position.has_height) {
+      position.height_reference = table.height_reference();
+    }
     const auto [first, is_new] =
         position_of_name.try_emplace(position.image_name, positions.size());
     if (is_new) {
@@ -82,7 +85,7 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
   }
   const bool has_height = std::any_of(positions.begin(), positions.end(),
                                       [](const auto& position) { return position.has_height; });
-  if (has_height && table.HeightsAreAboveSeaLevel()) {
+  if (has_height && table.HasAltitudesOfExif()) {
     LogWarning(
         "{}: the heights of GPSAltitude are above sea level if cameras wrote them; --height msl "
         "says that they are, and --height ellipsoid that they are not",
@@ -188,9 +191,12 @@ std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, d
   return positions;
 }
 
-void MakeHeightsEllipsoidal(HeightReference reference, std::vector<CameraPosition>* positions) {
+void MakeHeightsEllipsoidal(std::optional<HeightReference> chosen, HeightReference usual,
+                            std::vector<CameraPosition>* positions) {
   for (CameraPosition& position : *positions) {
-    position.position = WithEllipsoidalHeight(position.position, reference);
+    const HeightReference stated = position.height_reference.value_or(usual);
+    position.position = WithEllipsoidalHeight(position.position, chosen.value_or(stated));
+    position.height_reference = HeightReference::kEllipsoid;
   }
 }
 

@@ -93,7 +93,8 @@ std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
       points.push_back({.name = name,
                         .position = position,
                         .accuracy_m = table.AccuracyOr(defaults.accuracy_m),
-                        .observations = {}});
+                        .observations = {},
+                        .height_reference = table.height_reference()});
     }
     ControlPoint& point = points[entry->second];
     if (!IsSamePlace(point.position, position)) {
@@ -109,9 +110,12 @@ std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
   return points;
 }
 
-void MakeHeightsEllipsoidal(HeightReference reference, std::vector<ControlPoint>* points) {
+void MakeHeightsEllipsoidal(std::optional<HeightReference> chosen,
+                            std::vector<ControlPoint>* points) {
   for (ControlPoint& point : *points) {
-    point.position = WithEllipsoidalHeight(point.position, reference);
+    const HeightReference stated = point.height_reference.value_or(HeightReference::kEllipsoid);
+    point.position = WithEllipsoidalHeight(point.position, chosen.value_or(stated));
+    point.height_reference = HeightReference::kEllipsoid;
   }
 }
 

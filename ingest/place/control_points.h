@@ -3,10 +3,12 @@
 #define CAIRN_INGEST_PLACE_CONTROL_POINTS_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/geodesy.h"
+#include "core/geoid.h"
 #include "ingest/place/georegister.h"
 
 namespace cairn {
@@ -22,6 +24,7 @@ struct ControlPoint {
   Geodetic position;
   double accuracy_m = 0.1;  // 68 % radius: of the survey, and of pixels that people click.
   std::vector<ControlObservation> observations;
+  std::optional<HeightReference> height_reference = {};  // If the table states it.
 };
 
 // Reads a CSV (core/csv.h) with a header and the columns point, lat_deg, lon_deg, h_m, image, x_px,
@@ -30,8 +33,10 @@ struct ControlPoint {
 // line and column, also if rows of one point state different positions.
 std::vector<ControlPoint> ReadControlPoints(const std::string& path);
 
-// Converts heights above `reference` to heights above the ellipsoid.
-void MakeHeightsEllipsoidal(HeightReference reference, std::vector<ControlPoint>* points);
+// Converts heights to heights above the ellipsoid. They are above `chosen`, else above what the
+// point states, else above the ellipsoid already.
+void MakeHeightsEllipsoidal(std::optional<HeightReference> chosen,
+                            std::vector<ControlPoint>* points);
 
 // Triangulates each point from the photos that show it, and fits the similarity of Georegister to
 // the points; the residuals and names of the result are those of the points. Names of photos match

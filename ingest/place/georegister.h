@@ -22,6 +22,7 @@ struct CameraPosition {
   Geodetic position;        // Georegister expects ellipsoidal heights.
   double accuracy_m = 5.0;  // 68 % radius.
   bool has_height = true;   // If false, `position` has some height near that of the street.
+  std::optional<HeightReference> height_reference = {};  // If the source of the height states it.
 };
 
 // Reads a CSV of positions (core/csv.h, position_columns.h): image, lat_deg, lon_deg, h_m,
@@ -50,9 +51,10 @@ std::optional<std::string> NameAfterImages(const Reconstruction& reconstruction,
 // accuracy. Heights are unchanged; EXIF heights are above mean sea level.
 std::vector<CameraPosition> GpsPositions(const Reconstruction& reconstruction, double accuracy_m);
 
-// Converts heights above `reference` to heights above the ellipsoid. Throws as
-// WithEllipsoidalHeight.
-void MakeHeightsEllipsoidal(HeightReference reference, std::vector<CameraPosition>* positions);
+// Converts heights to heights above the ellipsoid. They are above `chosen`, else above what the
+// position states, else above `usual`. Throws as WithEllipsoidalHeight.
+void MakeHeightsEllipsoidal(std::optional<HeightReference> chosen, HeightReference usual,
+                            std::vector<CameraPosition>* positions);
 
 // Where up comes from.
 enum class UpSource {

@@ -150,6 +150,9 @@ PositionFindings CheckPositions(const std::optional<double>& default_height_m,
     return findings;
   }
   RequireDifferentPlaces(*positions);
+      if (default_height_m) {
+        position.height_reference.reset();  // That of the others is not that of the default.
+      }
   findings.rounded_to_deg = RoundingOf(*positions);
   RequireFineSteps(findings.rounded_to_deg, *positions);
   MarkMissingHeights(positions);

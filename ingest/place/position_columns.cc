@@ -5,7 +5,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <utility>
+
+#include "ingest/place/height_name.h"
 
 namespace cairn {
 namespace {
@@ -28,9 +31,8 @@ constexpr ColumnNames kColumnNames[] = {
      {"londeg", "longitude", "gpslongitude", "lon", "lng", "long", "xlongitude", "longitudedeg",
       "longitudedd", "londd"}},
     {"h_m",
-     {"hm", "ellipsoidalheight", "ellipsoidheight", "heightellipsoidal", "hae", "altitude",
-      "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm", "heightm", "ele",
-      "height"}},
+     {"hm", "altitude", "gpsaltitude", "alt", "elevation", "zaltitude", "altitudem", "altm",
+      "heightm", "ele", "height", "h"}},
     {"accuracy_m",
      {"accuracym", "accuracy", "gpshpositioningerror", "horizontalaccuracy", "accuracyhorizontal"}},
     {"lat_ref",
@@ -53,16 +55,6 @@ char Lower(char letter) {
   return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
 }
 
-std::string LettersAndDigits(std::string_view text) {
-  std::string kept;
-  for (const char letter : text) {
-    if (std::isalnum(static_cast<unsigned char>(letter))) {
-      kept += Lower(letter);
-    }
-  }
-  return kept;
-}
-
 // The letters and digits of a header's cell, in lower case, without group and units. Empty if the
 // units are others, such as feet.
 std::string Simplified(std::string_view cell) {
@@ -83,6 +75,20 @@ bool HasWidths(const std::vector<std::string>& header) {
   return std::any_of(header.begin(), header.end(), [](const std::string& cell) {
     return LettersAndDigits(cell).find("width") != std::string::npos;
   });
+}
+
+std::span<const std::string_view> OtherNamesOf(std::string_view name) {
+  for (const ColumnNames& column : kColumnNames) {
+    if (column.name == name) {
+      return column.others;
+    }
+  }
+  return {};
+}
+
+bool StatesReference(std::string_view cell, HeightReference reference) {
+  const std::optional<HeightName> name = ReadHeightName(cell);
+  return name && name->in_meters && name->reference == reference;
 }
 
 // Takes a letter of `hemispheres` off either end of the text; 1 or -1, or 0 without one.
@@ -139,33 +145,51 @@ std::vector<double> NumbersOf(std::string_view text) {
 
 }  // namespace
 
-std::optional<size_t> FindColumn(const std::vector<std::string>& header, std::string_view name) {
-  if (const auto exact = std::find(header.begin(), header.end(), name); exact != header.end()) {
-    return static_cast<size_t>(exact - header.begin());
-  }
-  const auto* const names =
-      std::find_if(std::begin(kColumnNames), std::end(kColumnNames),
-                   [&](const ColumnNames& column) { return column.name == name; });
-  if (names == std::end(kColumnNames)) {
-    return std::nullopt;
-  }
-  const bool has_widths = name == "h_m" && HasWidths(header);
-  for (const std::string_view other : names->others) {
-    std::optional<size_t> column;
-    for (size_t i = 0; i < header.size() && !other.empty(); ++i) {
-      if (Simplified(header[i]) == other && (!column || IsComposite(header[i]))) {
-        column = i;
+std::vector<size_t> FindColumns(const std::vector<std::string>& header, std::string_view name) {
+  std::vector<size_t> columns;
+  const auto add_if = [&](const auto& holds) {
+    for (size_t i = 0; i < header.size(); ++i) {
+      if (std::find(columns.begin(), columns.end(), i) == columns.end() && holds(header[i])) {
+        columns.push_back(i);
       }
     }
-    if (column && !(has_widths && other == "height")) {
-      return column;
+  };
+  add_if([&](const std::string& cell) { return cell == name; });
+  if (name == "h_m") {
+    for (const HeightReference reference :
+         {HeightReference::kEllipsoid, HeightReference::kMeanSeaLevel}) {
+      add_if([&](const std::string& cell) { return StatesReference(cell, reference); });
     }
   }
-  return std::nullopt;
+  const bool has_widths = name == "h_m" && HasWidths(header);
+  for (const std::string_view other : OtherNamesOf(name)) {
+    if (other.empty() || (has_widths && other == "height")) {
+      continue;
+    }
+    const auto is_other = [&](const std::string& cell) { return Simplified(cell) == other; };
+    add_if([&](const std::string& cell) { return is_other(cell) && IsComposite(cell); });
+    add_if(is_other);
+  }
+  return columns;
 }
 
-bool IsAboveSeaLevel(std::string_view column_name) {
+std::optional<size_t> FindColumn(const std::vector<std::string>& header, std::string_view name) {
+  const std::vector<size_t> columns = FindColumns(header, name);
+  return columns.empty() ? std::nullopt : std::optional(columns.front());
+}
+
+bool IsAltitudeOfExif(std::string_view column_name) {
   return Simplified(column_name) == "gpsaltitude";
+}
+
+std::string LettersAndDigits(std::string_view text) {
+  std::string kept;
+  for (const char letter : text) {
+    if (std::isalnum(static_cast<unsigned char>(letter))) {
+      kept += Lower(letter);
+    }
+  }
+  return kept;
 }
 
 std::optional<double> AngleDeg(std::string_view text, std::string_view hemispheres) {

@@ -11,17 +11,25 @@
 
 namespace cairn {
 
-// Returns the column of a header that `name` means: the one of that name, else the first one whose
-// name other programs use for it, as exiftool does (SourceFile, GPSLatitude), Metashape (#Label,
-// Y/Latitude) and spreadsheets ("Latitude [deg]", "N/S"). Case, blanks, signs, meters and degrees
-// in brackets and exiftool's groups ("EXIF:") do not count; its group Composite, which has signs,
-// comes first. A column with another unit has none of these names, and heights beside widths are
-// those of pictures. Only image, lat_deg, lon_deg, h_m, accuracy_m, lat_ref, lon_ref and h_ref have
-// other names.
+// Returns the columns of a header that `name` may mean, the one that counts first: the one of that
+// name, then those whose name other programs use for it, as exiftool does (SourceFile,
+// GPSLatitude), Metashape (#Label, Y/Latitude) and spreadsheets ("Latitude [deg]", "N/S"). Case,
+// blanks, signs, meters and degrees in brackets and exiftool's groups ("EXIF:") do not count; its
+// group Composite, which has signs, comes first. Heights that state their reference come before
+// vague ones (height_name.h). A column with another unit has none of these names, and heights
+// beside widths are those of pictures. Only image, lat_deg, lon_deg, h_m, accuracy_m, lat_ref,
+// lon_ref and h_ref have other names.
+std::vector<size_t> FindColumns(const std::vector<std::string>& header, std::string_view name);
+
+// The first of these.
 std::optional<size_t> FindColumn(const std::vector<std::string>& header, std::string_view name);
 
-// True if a column of this name holds heights above mean sea level: EXIF's GPSAltitude.
-bool IsAboveSeaLevel(std::string_view column_name);
+// True if a column of this name holds heights above mean sea level if a camera wrote them: EXIF's
+// GPSAltitude.
+bool IsAltitudeOfExif(std::string_view column_name);
+
+// The letters and digits of a text, in lower case.
+std::string LettersAndDigits(std::string_view text);
 
 // The angle of a text that is no plain number: degrees, or degrees and minutes, or degrees, minutes
 // and seconds, with a minus or one letter of `hemispheres` before or behind them: "NS" or "EW", the

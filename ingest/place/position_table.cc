@@ -11,7 +11,9 @@
 
 #include "core/error.h"
 #include "core/file_bytes.h"
+#include "core/logging.h"
 #include "core/printable.h"
+#include "ingest/place/height_name.h"
 #include "ingest/place/hemispheres.h"
 #include "ingest/place/position_columns.h"
 
@@ -19,6 +21,13 @@ namespace cairn {
 namespace {
 
 constexpr uint64_t kMaxTableBytes = uint64_t{256} << 20;
+constexpr size_t kMaxHeaderBytes = 200;  // In a message.
+constexpr std::string_view kCoordinates[] = {"lat_deg", "lon_deg", "h_m"};
+
+bool IsHeightInOtherUnit(const std::string& column_name) {
+  const std::optional<HeightName> name = ReadHeightName(column_name);
+  return name && !name->in_meters;
+}
 
 // Runs `read` and prefixes the path to the message of an error.
 template <typename Read>
@@ -53,19 +62,15 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
   }
   const std::vector<std::string> header = rows_.cells();
   for (const char* name : required) {
-    const std::optional<size_t> column = FindColumn(header, name);
-    if (!column) {
+    if (!TakeColumn(name, header)) {
       ThrowNoColumn(name, required, header);
     }
-    column_of_name_.emplace(name, *column);
   }
   for (const char* name : {"accuracy_m", "lat_ref", "lon_ref", "h_ref"}) {
-    if (const std::optional<size_t> column = FindColumn(header, name)) {
-      column_of_name_.emplace(name, *column);
-    }
+    TakeColumn(name, header);
   }
   WithTablePath(path_, [&] { RequireKnownHemispheres(rows_); });
-  are_above_sea_level_ = IsAboveSeaLevel(header[ColumnOf("h_m")]);
+  TakeHeightsFrom(header[ColumnOf("h_m")]);
   meaning_of_o_ = MeaningOfO(rows_);
   num_columns_ = header.size();
   while (num_columns_ > 0 && header[num_columns_ - 1].empty()) {
@@ -73,17 +78,59 @@ PositionTable::PositionTable(const std::string& path, std::initializer_list<cons
   }
 }
 
+bool PositionTable::TakeColumn(const char* name, const std::vector<std::string>& header) {
+  const std::vector<size_t> columns = FindColumns(header, name);
+  if (columns.empty()) {
+    return false;
+  }
+  const std::string& counts = header[columns.front()];
+  if (std::count(header.begin(), header.end(), counts) > 1) {
+    Throw(fmt::format("the header has several columns '{}'; leave one", Excerpt(counts)));
+  }
+  column_of_name_.emplace(name, columns.front());
+  const bool is_coordinate =
+      std::find(std::begin(kCoordinates), std::end(kCoordinates), name) != std::end(kCoordinates);
+  if (is_coordinate && columns.size() > 1) {
+    LogInfo("{}: of the columns that may be {}, '{}' counts, and '{}' does not", Printable(path_),
+            name, Excerpt(counts), Excerpt(header[columns[1]]));
+  }
+  return true;
+}
+
+void PositionTable::TakeHeightsFrom(const std::string& column_name) {
+  has_altitudes_of_exif_ = IsAltitudeOfExif(column_name);
+  const std::optional<HeightName> stated = ReadHeightName(column_name);
+  height_reference_ = stated ? stated->reference : std::nullopt;
+  if (height_reference_ == HeightReference::kMeanSeaLevel) {
+    LogInfo(
+        "{}: by its name, the column '{}' has heights above mean sea level; --height ellipsoid "
+        "says that they are above the ellipsoid",
+        Printable(path_), Excerpt(column_name));
+  }
+}
+
 void PositionTable::ThrowNoColumn(const char* name, std::initializer_list<const char*> required,
                                   const std::vector<std::string>& header) const {
+  const bool is_height = std::string_view(name) == "h_m";
+  if (const auto foreign = std::find_if(header.begin(), header.end(), IsHeightInOtherUnit);
+      is_height && foreign != header.end()) {
+    Throw(
+        fmt::format("the heights of the column '{}' are not in meters; convert them, and call "
+                    "the column h_m if they are above the ellipsoid, and h_msl if they are above "
+                    "mean sea level",
+                    Excerpt(*foreign)));
+  }
   std::string hint = rows_.Number(header.size() - 1) ? "; this line looks like a position" : "";
   // Control points need their heights.
-  if (std::string_view(name) == "h_m" && std::string_view(*required.begin()) == "image") {
+  if (is_height && std::string_view(*required.begin()) == "image") {
     hint +=
         ". If no height is known, leave the cells of that column empty; cairn map and cairn "
         "ingest then take --camera-height M";
   }
-  Throw(fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m{}", name,
-                    fmt::join(required, ", "), hint));
+  Throw(
+      fmt::format("the header has no column '{}'; expected {} and optionally accuracy_m, got {}{}",
+                  name, fmt::join(required, ", "),
+                  Excerpt(fmt::format("{}", fmt::join(header, ", ")), kMaxHeaderBytes), hint));
 }
 
 bool PositionTable::NextRow() {

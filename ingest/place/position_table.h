@@ -11,6 +11,7 @@
 
 #include "core/csv.h"
 #include "core/geodesy.h"
+#include "core/geoid.h"
 
 namespace cairn {
 
@@ -18,8 +19,9 @@ namespace cairn {
 // (position_columns.h). Its errors name the file, the line and the column.
 class PositionTable {
  public:
-  // `required` has h_m. Throws Error(kBadInput) if one of these columns is missing; the message
-  // lists them and `accuracy_m`, which is optional. Throws as RequireKnownHemispheres, too.
+  // `required` has h_m. Throws Error(kBadInput) if one of these columns is missing, or occurs
+  // twice; the message lists them, `accuracy_m`, which is optional, and the header. Throws as
+  // RequireKnownHemispheres, too. Logs which columns count if others may mean the same.
   PositionTable(const std::string& path, std::initializer_list<const char*> required);
   PositionTable(const PositionTable&) = delete;  // rows_ views text_.
 
@@ -35,13 +37,17 @@ class PositionTable {
   // there.
   Geodetic Position(const std::string& what) const;
   double AccuracyOr(double default_m) const;  // accuracy_m, which must be positive.
-  // True if the name of the column h_m says so.
-  bool HeightsAreAboveSeaLevel() const { return are_above_sea_level_; }
+  // The reference that the name of the column h_m states.
+  std::optional<HeightReference> height_reference() const { return height_reference_; }
+  bool HasAltitudesOfExif() const { return has_altitudes_of_exif_; }  // IsAltitudeOfExif.
 
   [[noreturn]] void Throw(const std::string& what) const;
 
  private:
   size_t ColumnOf(const char* name) const { return column_of_name_.find(name)->second; }
+  // Takes the column that counts if there is one.
+  bool TakeColumn(const char* name, const std::vector<std::string>& header);
+  void TakeHeightsFrom(const std::string& column_name);
   void TakeCells();
   bool IsComment() const;
   void RequireColumns() const;
@@ -60,7 +66,8 @@ class PositionTable {
   std::optional<char> meaning_of_o_;
   std::map<std::string, size_t, std::less<>> column_of_name_;
   size_t num_columns_ = 0;  // Of the header, without empty cells at its end.
-  bool are_above_sea_level_ = false;
+  std::optional<HeightReference> height_reference_;
+  bool has_altitudes_of_exif_ = false;
 };
 
 }  // namespace cairn

@@ -150,8 +150,8 @@ PhotoPlaces FindPhotoPlaces(const MapPhotosInput& input, PhotoFolder* folder,
   const PositionFindings findings = CheckPositions(input.camera_height_m, &positions);
   RequireEnough(positions.size(), *folder, has_table);  // Without those at 0, 0.
   AddNotes(findings, positions.size(), set.photos.size(), notes);
-  MakeHeightsEllipsoidal(input.height.value_or(has_table ? HeightReference::kEllipsoid
-                                                         : HeightReference::kMeanSeaLevel),
+  MakeHeightsEllipsoidal(input.height,
+                         has_table ? HeightReference::kEllipsoid : HeightReference::kMeanSeaLevel,
                          &positions);
   std::map<std::string, CameraPosition> position_of_name;
   for (const CameraPosition& position : positions) {

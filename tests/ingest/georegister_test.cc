@@ -218,11 +218,20 @@ TEST(MakeHeightsEllipsoidal, AddsTheGeoidToHeightsAboveMeanSeaLevel) {
   const Geodetic lund = Geodetic::FromDegrees(55.705, 13.19, 50.0);
   const Geodetic philadelphia = Geodetic::FromDegrees(39.95, -75.16, 50.0);
   std::vector<CameraPosition> positions = {{"a", lund}, {"b", philadelphia}};
-  MakeHeightsEllipsoidal(HeightReference::kEllipsoid, &positions);
+  MakeHeightsEllipsoidal({}, HeightReference::kEllipsoid, &positions);
   EXPECT_EQ(positions[0].position.h_m, 50.0);
-  MakeHeightsEllipsoidal(HeightReference::kMeanSeaLevel, &positions);
+  positions[0].height_reference = HeightReference::kMeanSeaLevel;
+  positions[1].height_reference.reset();
+  MakeHeightsEllipsoidal({}, HeightReference::kMeanSeaLevel, &positions);
   EXPECT_NEAR(positions[0].position.h_m, 50.0 + 35.7, 0.1);
   EXPECT_NEAR(positions[1].position.h_m, 50.0 - 34.2, 0.1);
+}
+
+TEST(MakeHeightsEllipsoidal, WhatIsChosenCountsBeforeWhatIsStated) {
+  std::vector<CameraPosition> positions = {{"a", Geodetic::FromDegrees(55.705, 13.19, 50.0)}};
+  positions[0].height_reference = HeightReference::kMeanSeaLevel;
+  MakeHeightsEllipsoidal(HeightReference::kEllipsoid, HeightReference::kMeanSeaLevel, &positions);
+  EXPECT_EQ(positions[0].position.h_m, 50.0);
 }
 
 class CameraPositionsCsv : public ::testing::Test {

@@ -132,9 +132,62 @@ TEST(CameraPositionsOfPrograms, MetashapeStatesItsCoordinateSystemFirst) {
 }
 
 TEST(CameraPositionsOfPrograms, OtherUnitsAreRefused) {
-  EXPECT_THAT(RefusalOf("image,lat,lon,Altitude (ft)\na,47,8,400\n"), HasSubstr("no column 'h_m'"));
   EXPECT_THAT(RefusalOf("image,Latitude (rad),lon,alt\na,0.8,8,400\n"),
               HasSubstr("no column 'lat_deg'"));
+}
+
+TEST(CameraPositionsOfPrograms, NamesOfHeightsStateTheirReference) {
+  const auto reference_of = [](const std::string& name) {
+    return Read("image,lat,lon," + name + "\na,47,8,400\n").at(0).height_reference;
+  };
+  for (const char* name :
+       {"Altitude (MSL)", "hmsl", "h_msl_m", "OrthoHeight", "height_orthometric", "AMSL",
+        "Elevation [m a.s.l.]", "altitude above sea level (meters)", "alt_m_msl"}) {
+    EXPECT_EQ(reference_of(name), HeightReference::kMeanSeaLevel) << name;
+  }
+  for (const char* name : {"hae", "height_ellipsoidal", "Altitude (WGS84)", "h_ell [m]"}) {
+    EXPECT_EQ(reference_of(name), HeightReference::kEllipsoid) << name;
+  }
+  for (const char* name : {"h_m", "altitude", "GPSAltitude", "Height (m)", "h"}) {
+    EXPECT_EQ(reference_of(name), std::nullopt) << name;
+  }
+}
+
+TEST(CameraPositionsOfPrograms, AHeightWithAReferenceCountsBeforeVagueOnes) {
+  const auto positions =
+      Read("image,lat,lon,altitude,h_msl,altitude_ft\na,47,8,400,350,1148\nb,47,8,,,\n");
+  EXPECT_EQ(positions.at(0).position.h_m, 350.0);
+  EXPECT_EQ(positions.at(1).height_reference, std::nullopt);
+}
+
+TEST(CameraPositionsOfPrograms, HeightsInFeetAreRefusedByName) {
+  for (const std::string name : {"Altitude (ft)", "altitude_feet", "h_msl_ft", "EXIF:alt [US ft]",
+                                 "altitude_above_seaLevel(feet)"}) {
+    EXPECT_THAT(RefusalOf("image,lat,lon," + name + "\na,47,8,400\n"),
+                HasSubstr("the heights of the column '" + name + "' are not in meters"));
+  }
+}
+
+TEST(CameraPositionsOfPrograms, TheRefusalNamesTheColumnsThatThereAre) {
+  for (const std::string name : {"height above ground", "geoid height", "Z", "msl hae"}) {
+    EXPECT_THAT(RefusalOf("image,lat,lon," + name + "\na,47,8,400\n"),
+                AllOf(HasSubstr("no column 'h_m'"), HasSubstr("got image, lat, lon, " + name)));
+  }
+}
+
+TEST(CameraPositionsOfPrograms, OfTwoColumnsOfOneNameNoneCounts) {
+  EXPECT_THAT(RefusalOf("image,lat,lon,lat,lon,alt\na,47,8,48,9,400\n"),
+              HasSubstr("several columns 'lat'; leave one"));
+  EXPECT_THAT(RefusalOf("image,image,lat,lon,alt\na,b,47,8,400\n"), HasSubstr("'image'"));
+}
+
+TEST(CameraPositionsOfPrograms, OfTwoNamesForACoordinateTheLogSaysWhichCounts) {
+  ::testing::internal::CaptureStderr();
+  const auto positions = Read("image,lat,lon,latitude,longitude,alt\na,47,8,48,9,400\n");
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  ExpectPosition(positions.at(0), "a", 48.0, 9.0, 400.0);
+  EXPECT_THAT(log, HasSubstr("may be lat_deg, 'latitude' counts, and 'lat' does not"));
+  EXPECT_THAT(log, HasSubstr("may be lon_deg, 'longitude' counts, and 'lon' does not"));
 }
 
 TEST(CameraPositionsOfPrograms, HeightsOfPicturesAreNoHeights) {

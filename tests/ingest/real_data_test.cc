@@ -86,7 +86,7 @@ TEST(RealData, LundIsLevelOnGpsAlone) {
   const Reconstruction reconstruction = ReadColmap(LundInput());
   auto positions = GpsPositions(reconstruction, 5.0);
   ASSERT_EQ(positions.size(), 29u);
-  MakeHeightsEllipsoidal(HeightReference::kMeanSeaLevel, &positions);
+  MakeHeightsEllipsoidal(HeightReference::kMeanSeaLevel, HeightReference::kEllipsoid, &positions);
   const Georegistration result = Georegister(reconstruction, positions, GeoregisterOptions());
   std::vector<double> rolls_deg = RollsDeg(reconstruction, result.ecef_from_world);
   std::vector<double> heights_m;
