@@ -32,15 +32,7 @@ std::vector<std::string> NotesOn(const Reconstruction& reconstruction,
                                 num_images - static_cast<size_t>(georegistration.num_positions),
                                 num_images));
   }
-  if (findings.num_at_null_island > 0) {
-    notes.push_back(fmt::format("{} positions at 0, 0 are left out", findings.num_at_null_island));
-  }
-  if (findings.num_without_height > 0) {
-    notes.push_back(
-        fmt::format("{} positions have no height (0 stands for none); their heights do "
-                    "not count",
-                    findings.num_without_height));
-  }
+  std::ranges::move(NotesOnPositions(findings), std::back_inserter(notes));
   std::ranges::move(NotesOnOutliers(georegistration), std::back_inserter(notes));
   return notes;
 }

@@ -10,6 +10,7 @@
 #include "core/match_names.h"
 #include "core/printable.h"
 #include "core/scene/triangulate.h"
+#include "ingest/place/position_checks.h"
 #include "ingest/place/position_table.h"
 
 namespace cairn {
@@ -88,6 +89,10 @@ std::vector<ControlPoint> ReadControlPoints(const std::string& path) {
       table.Throw(fmt::format("column h_m: the point {} has no height", Excerpt(name)));
     }
     const Geodetic position = table.Position(name);
+    if (position.h_m < kLowestPlaceM || position.h_m > kHighestPlaceM) {
+      table.Throw(
+          fmt::format("column h_m: the point {} cannot be at {} m", Excerpt(name), position.h_m));
+    }
     const auto [entry, is_new] = point_of_name.emplace(name, points.size());
     if (is_new) {
       points.push_back({.name = name,

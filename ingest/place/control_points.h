@@ -30,7 +30,8 @@ struct ControlPoint {
 // Reads a CSV (core/csv.h) with a header and the columns point, lat_deg, lon_deg, h_m, image, x_px,
 // y_px and optionally accuracy_m, in any order: a row for each photo that shows a point. Pixels are
 // COLMAP's: (0.5, 0.5) is the center of the upper left one. Throws Error(kBadInput), with file,
-// line and column, also if rows of one point state different positions.
+// line and column, also if rows of one point state different positions, and for a height that no
+// place has.
 std::vector<ControlPoint> ReadControlPoints(const std::string& path);
 
 // Converts heights to heights above the ellipsoid. They are above `chosen`, else above what the

@@ -88,8 +88,22 @@ void RequireFineSteps(double rounded_to_deg, const std::vector<CameraPosition>& 
                   rounded_to_deg, error_m, Median(accuracies_m)));
 }
 
+// What stands for no height, in messages.
+std::string WordsForNoHeight() {
+  return fmt::format("0 and heights below {:.0f} m or above {:.0f} m stand for none", kLowestPlaceM,
+                     kHighestPlaceM);
+}
+
+void MarkImpossibleHeights(std::vector<CameraPosition>* positions) {
+  for (CameraPosition& position : *positions) {
+    const double h_m = position.position.h_m;
+    position.has_height = position.has_height && h_m >= kLowestPlaceM && h_m <= kHighestPlaceM;
+  }
+}
+
 // The positions that have no height: marked so, or 0 far from the others.
 void MarkMissingHeights(std::vector<CameraPosition>* positions) {
+  MarkImpossibleHeights(positions);
   std::vector<double> heights_m;
   for (const CameraPosition& position : *positions) {
     if (position.has_height && position.position.h_m != 0.0) {
@@ -125,22 +139,37 @@ void FillHeights(const std::optional<double>& default_height_m,
   }
   if (heights_m.empty() && !default_height_m) {
     throw Error(ErrorCode::kBadInput,
-                fmt::format("georegistration: none of the {} positions has a height (0 stands for "
-                            "none), so the map would not stand at the height of the street. State "
-                            "the height of the cameras with --camera-height M, or give a table of "
-                            "positions with heights",
-                            positions->size()));
+                fmt::format("georegistration: none of the {} positions has a height ({}), so the "
+                            "map would not stand at the height of the street. State the height of "
+                            "the cameras with --camera-height M, or give a table of positions with "
+                            "heights",
+                            positions->size(), WordsForNoHeight()));
   }
   const double height_m = default_height_m ? *default_height_m : Median(heights_m);
   for (CameraPosition& position : *positions) {
     if (!position.has_height) {
       position.position.h_m = height_m;
       position.has_height = heights_m.empty();
+      if (default_height_m) {
+        position.height_reference.reset();  // That of the others is not that of the default.
+      }
     }
   }
 }
 
 }  // namespace
+
+std::vector<std::string> NotesOnPositions(const PositionFindings& findings) {
+  std::vector<std::string> notes;
+  if (findings.num_at_null_island > 0) {
+    notes.push_back(fmt::format("{} positions at 0, 0 are left out", findings.num_at_null_island));
+  }
+  if (findings.num_without_height > 0) {
+    notes.push_back(fmt::format("{} positions have no height ({}); their heights do not count",
+                                findings.num_without_height, WordsForNoHeight()));
+  }
+  return notes;
+}
 
 PositionFindings CheckPositions(const std::optional<double>& default_height_m,
                                 std::vector<CameraPosition>* positions) {
@@ -150,9 +179,6 @@ PositionFindings CheckPositions(const std::optional<double>& default_height_m,
     return findings;
   }
   RequireDifferentPlaces(*positions);
-      if (default_height_m) {
-        position.height_reference.reset();  // That of the others is not that of the default.
-      }
   findings.rounded_to_deg = RoundingOf(*positions);
   RequireFineSteps(findings.rounded_to_deg, *positions);
   MarkMissingHeights(positions);

@@ -18,8 +18,15 @@ struct PositionFindings {
   double rounded_to_deg = 0.0;  // All coordinates are multiples of this; 0: they are not rounded.
 };
 
+// Sentences about positions at 0, 0 and without a height.
+std::vector<std::string> NotesOnPositions(const PositionFindings& findings);
+
+// Heights outside of these are placeholders, such as -9999: no street lies there.
+inline constexpr double kLowestPlaceM = -500.0, kHighestPlaceM = 10'000.0;
+
 // Looks at positions as they were read, before their heights are converted. Removes those at 0, 0.
-// A height of exactly 0 is taken as missing if the other heights are far from it. Positions without
+// A height of exactly 0 is taken as missing if the other heights are far from it, and one that no
+// place has (kLowestPlaceM, kHighestPlaceM) always. Positions without
 // a height get `default_height_m`, or else the median of the others and has_height false. Throws
 // Error(kBadInput), with what to do, if all positions are the same, if all heights are missing and
 // there is no default, or if the coordinates are rounded so coarsely that their accuracy cannot be

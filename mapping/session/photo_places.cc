@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -100,14 +102,7 @@ void AddNotes(const PositionFindings& findings, size_t num_positions, size_t num
     notes->push_back(fmt::format("{} of {} photos have no position; the others place them",
                                  num_photos - num_positions, num_photos));
   }
-  if (findings.num_at_null_island > 0) {
-    notes->push_back(fmt::format("{} positions at 0, 0 are left out", findings.num_at_null_island));
-  }
-  if (findings.num_without_height > 0) {
-    notes->push_back(
-        fmt::format("{} positions have no height (0 stands for none); their heights do not count",
-                    findings.num_without_height));
-  }
+  std::ranges::move(NotesOnPositions(findings), std::back_inserter(*notes));
 }
 
 }  // namespace

@@ -143,6 +143,8 @@ TEST_F(ControlPointFiles, FaultsAreNamed) {
   refused(header, "no point below the header");
   refused(header + "a,47,8,400,a.jpg,1,2\na,47.1,8,400,b.jpg,1,2\n", "line 3: the point a has");
   refused(header + "a,97,8,400,a.jpg,1,2\n", "line 2");
+  refused(header + "a,47,8,-9999,a.jpg,1,2\n",
+          "line 2: column h_m: the point a cannot be at -9999 m");
   refused(header + "a,47,8,400,a.jpg,1,nan\n", "column y_px");
 }
 

@@ -67,6 +67,42 @@ TEST(CheckPositions, AHeightOfZeroIsNoneFarFromTheOthers) {
   }
 }
 
+TEST(CheckPositions, AHeightThatNoPlaceHasIsNone) {
+  std::vector<CameraPosition> positions = WalkInLund();
+  positions[0].position.h_m = -9999.0;
+  positions[5].position.h_m = 32767.0;
+  const PositionFindings findings = CheckPositions({}, &positions);
+  EXPECT_EQ(findings.num_without_height, 2);
+  EXPECT_THAT(NotesOnPositions(findings).at(0), HasSubstr("2 positions have no height"));
+  EXPECT_FALSE(positions[0].has_height || positions[5].has_height);
+  EXPECT_NEAR(positions[0].position.h_m, 37.0, 1.1);
+  for (CameraPosition& position : positions) {
+    position.position.h_m = -9999.0;
+    position.has_height = true;
+  }
+  EXPECT_THAT(RefusalOf(positions), HasSubstr("heights below -500 m or above 10000 m"));
+}
+
+TEST(CheckPositions, AConstantHeightIsAHeight) {
+  std::vector<CameraPosition> positions = WalkInLund();
+  for (CameraPosition& position : positions) {
+    position.position.h_m = 37.0;
+  }
+  EXPECT_EQ(CheckPositions({}, &positions).num_without_height, 0);
+}
+
+// The height of the cameras has the reference of --height, not that of the table's column.
+TEST(CheckPositions, AStatedHeightHasNoReferenceOfTheTable) {
+  std::vector<CameraPosition> positions = WalkInLund();
+  for (CameraPosition& position : positions) {
+    position.position.h_m = 0.0;
+    position.height_reference = HeightReference::kMeanSeaLevel;
+  }
+  CheckPositions(72.0, &positions);
+  EXPECT_EQ(positions[0].position.h_m, 72.0);
+  EXPECT_EQ(positions[0].height_reference, std::nullopt);
+}
+
 TEST(CheckPositions, AHeightOfZeroIsAHeightAtTheCoast) {
   std::vector<CameraPosition> positions = WalkInLund();
   for (size_t i = 0; i < positions.size(); ++i) {
