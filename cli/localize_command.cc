@@ -76,6 +76,14 @@ void PrintCamera(const Camera& stated, const CameraEstimate& estimate) {
   if (is_turned) {
     fmt::print("camera       fits the photo only with x and y exchanged: check which side is up\n");
   }
+  if (estimate.is_off_center) {
+    const Eigen::Vector2d axis_px = PrincipalPointPx(estimate.camera);
+    fmt::print(
+        "off center   the optical axis meets pixel {:.0f}, {:.0f} of {} x {}: the photo was cut "
+        "out "
+        "of another\n",
+        axis_px.x(), axis_px.y(), estimate.camera.width_px(), estimate.camera.height_px());
+  }
 }
 
 void PrintPose(const Camera& stated, const LocalizeResult& result) {

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/check.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -38,9 +40,42 @@ Camera WithFocalScaled(const Camera& camera, double factor) {
   return Camera(camera.model(), camera.width_px(), camera.height_px(), std::move(params));
 }
 
+Camera WithTwoFocalLengths(const Camera& camera) {
+  const std::vector<double>& of = camera.params();
+  const auto make = [&](CameraModel model, std::vector<double> params) {
+    return Camera(model, camera.width_px(), camera.height_px(), std::move(params));
+  };
+  switch (camera.model()) {
+    case CameraModel::kSimplePinhole:
+      return make(CameraModel::kPinhole, {of[0], of[0], of[1], of[2]});
+    case CameraModel::kSimpleRadial:
+      return make(CameraModel::kOpenCv, {of[0], of[0], of[1], of[2], of[3], 0.0, 0.0, 0.0});
+    case CameraModel::kRadial:
+      return make(CameraModel::kOpenCv, {of[0], of[0], of[1], of[2], of[3], of[4], 0.0, 0.0});
+    default:
+      return camera;
+  }
+}
+
+Camera WithAspectScaled(const Camera& camera, double factor) {
+  CAIRN_CHECK(NumFocalLengths(camera.model()) == 2, "the camera has one focal length");
+  std::vector<double> params = camera.params();
+  params[0] *= std::sqrt(factor);
+  params[1] /= std::sqrt(factor);
+  return Camera(camera.model(), camera.width_px(), camera.height_px(), std::move(params));
+}
+
 Eigen::Vector2d PrincipalPointPx(const Camera& camera) {
   const int first = NumFocalLengths(camera.model());
   return {camera.params()[first], camera.params()[first + 1]};
+}
+
+Camera WithPrincipalPointMoved(const Camera& camera, const Eigen::Vector2d& by_px) {
+  const int first = NumFocalLengths(camera.model());
+  std::vector<double> params = camera.params();
+  params[first] += by_px.x();
+  params[first + 1] += by_px.y();
+  return Camera(camera.model(), camera.width_px(), camera.height_px(), std::move(params));
 }
 
 }  // namespace cairn

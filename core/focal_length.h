@@ -1,4 +1,4 @@
-// Cameras whose focal length is uncertain.
+// Cameras whose focal length and principal point are uncertain.
 #ifndef CAIRN_CORE_FOCAL_LENGTH_H_
 #define CAIRN_CORE_FOCAL_LENGTH_H_
 
@@ -35,6 +35,8 @@ struct CameraEstimate {
   double assumed_focal_sigma_px = 0.0;
   // The inliers contradict that focal length by more than three standard deviations.
   bool focal_disagrees = false;
+  // The inliers contradict that the optical axis is near the middle: the photo is part of another.
+  bool is_off_center = false;
 };
 
 // The assumed focal length of an uncalibrated camera, in units of the image's long side.
@@ -48,8 +50,18 @@ Camera CameraOfUnknownFocal(int width_px, int height_px);
 // stay.
 Camera WithFocalScaled(const Camera& camera, double factor);
 
+// Returns the camera in a model that has a focal length for each axis, if there is one.
+Camera WithTwoFocalLengths(const Camera& camera);
+
+// Returns the camera with fx / fy multiplied by `factor` (positive), and fx * fy as it is. The
+// camera must have two focal lengths.
+Camera WithAspectScaled(const Camera& camera, double factor);
+
 // Returns the pixel of the optical axis.
 Eigen::Vector2d PrincipalPointPx(const Camera& camera);
+
+// Returns the camera with the optical axis at another pixel.
+Camera WithPrincipalPointMoved(const Camera& camera, const Eigen::Vector2d& by_px);
 
 }  // namespace cairn
 

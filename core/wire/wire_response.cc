@@ -83,6 +83,7 @@ Json CameraEstimateJson(const CameraEstimate& estimate) {
   json["focalLength"] = estimate.camera.focal_px();
   AddNumbers(kCameraNumbers, estimate, &json);
   json["focalLengthDisagrees"] = estimate.focal_disagrees;
+  json["offCenter"] = estimate.is_off_center;
   return json;
 }
 
@@ -93,6 +94,9 @@ CameraEstimate ReadCameraEstimate(const JsonReader& json) {
           .camera;
   ReadNumbers(kCameraNumbers, json, &estimate);
   estimate.focal_disagrees = json.At("focalLengthDisagrees").Bool();
+  if (const auto off_center = json.Find("offCenter")) {
+    estimate.is_off_center = off_center->Bool();
+  }
   return estimate;
 }
 

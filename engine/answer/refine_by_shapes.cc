@@ -64,8 +64,10 @@ PoseHypothesis RefineByShapes(const QueryContext& query, const LocalizeQuery& st
   }
   if (winner.camera || estimate.doubts_camera) {
     const CameraPrior prior = CameraPriorOf(stated);
-    const RefinedCamera refined = RefineCamera(prior, seen.camera, observations, gravity,
-                                               estimate.cam_from_anchor, refinement);
+    const bool is_off_center = winner.camera && winner.camera->is_off_center;
+    const RefinedCamera refined =
+        RefineCamera(is_off_center ? OffCenterPrior(prior) : prior, seen.camera, observations,
+                     gravity, estimate.cam_from_anchor, refinement);
     estimate.covariance = refined.covariance;
     if (winner.camera) {
       estimate.cam_from_anchor = refined.cam_from_anchor;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/pose/estimate_pose.h"
+#include "engine/pose/focal_search.h"
 #include "engine/pose/pose_ransac_problem.h"
 #include "engine/query/build_query_context.h"
 
@@ -24,20 +25,46 @@ RefinedCamera RefineCameraOnInliers(const QueryContext& query,
                       estimate.cam_from_anchor, RefinementOf(options));
 }
 
+// Returns the pose and camera of a photo that was cut out of another, not around its middle;
+// nothing unless the inliers show that it was: by their evidence, or because they contradict a
+// principal point in the middle. `centered` is the estimate with the query's prior. The focal
+// length of a whole photo may be as wrong as that of a part, so the two are compared with the same
+// freedom of it.
+std::optional<EstimateWithCamera> RefineOffCenter(
+    const QueryContext& query, const std::vector<Correspondence>& correspondences,
+    const EstimateWithCamera& centered, const CameraPrior& prior, const PoseOptions& options) {
+  constexpr double kDecisiveEvidence = 10.0, kDecisiveDisagreement = 6.0;
+  const CameraPrior off_center = OffCenterPrior(prior);
+  CameraPrior whole = prior;
+  whole.focal.log_sigma = off_center.focal.log_sigma;
+  const auto as_whole = RefineWithCamera(query, correspondences, centered.estimate, whole, options);
+  auto as_part = RefineWithCamera(query, correspondences, centered.estimate, off_center, options);
+  if (!as_whole || !as_part) {
+    return std::nullopt;
+  }
+  const double gain = as_part->estimate.evidence - as_whole->estimate.evidence;
+  const bool is_contradicted =
+      as_whole->camera.principal_point_disagreement > kDecisiveDisagreement && gain >= 0.0;
+  return gain > kDecisiveEvidence || is_contradicted ? std::move(as_part) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<EstimateWithCamera> RefineWithCamera(
     const QueryContext& query, const std::vector<Correspondence>& correspondences,
     PoseEstimate estimate, const CameraPrior& prior, const PoseOptions& options) {
   constexpr int kMaxRounds = 8;
-  // The focal length has settled once it moves by less than this share of its standard deviation.
+  // The camera has settled once it moves by less than this share of its standard deviations.
   constexpr double kSettledShare = 0.1;
   QueryContext seen = query;
   RefinedCamera refined;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const double last_focal_px = seen.camera.focal_px();
+    const Camera last = seen.camera;
     refined = RefineCameraOnInliers(seen, correspondences, estimate, prior, options);
-    const double moved_by = std::abs(std::log(refined.camera.focal_px() / last_focal_px));
+    const bool has_settled = std::abs(std::log(refined.camera.focal_px() / last.focal_px())) <
+                                 kSettledShare * refined.focal_log_sigma &&
+                             (PrincipalPointPx(refined.camera) - PrincipalPointPx(last)).norm() <=
+                                 kSettledShare * refined.principal_point_sigma_px;
     seen = WithCamera(std::move(seen), refined.camera);
     PoseEstimate moved = estimate;
     moved.cam_from_anchor = refined.cam_from_anchor;
@@ -45,10 +72,9 @@ std::optional<EstimateWithCamera> RefineWithCamera(
     if (!next) {
       return std::nullopt;
     }
-    const bool settled =
-        next->inliers == estimate.inliers || moved_by < kSettledShare * refined.focal_log_sigma;
+    const bool is_done = has_settled || next->inliers == estimate.inliers;
     estimate = std::move(*next);
-    if (settled) {
+    if (is_done) {
       break;
     }
   }
@@ -79,6 +105,12 @@ AnsweredCamera RefineAnswer(const QueryContext& query,
                                std::move(alone->estimate), prior, options);
   } else if (!keep_if_possible) {
     refined = RefineWithCamera(query, correspondences, estimate, prior, options);
+  }
+  if (refined && prior.principal_point_sigma > 0.0) {
+    if (auto off_center = RefineOffCenter(WithCamera(query, refined->camera.camera),
+                                          correspondences, *refined, prior, options)) {
+      refined = std::move(off_center);
+    }
   }
   if (refined) {
     return {std::move(refined->estimate), std::move(refined->camera)};

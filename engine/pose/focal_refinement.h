@@ -35,8 +35,10 @@ struct AnsweredCamera {
 
 // Refines the winner of a query. If the inliers contradict the prior, they were gathered with a
 // wrong camera. The function then gathers them again with a camera that follows the inliers alone,
-// before it applies the prior. If `keep_if_possible` is set, query.camera (then the prior's camera)
-// and the pose stay unchanged unless the inliers contradict the prior significantly.
+// before it applies the prior. If they contradict the principal point of a camera that is
+// estimated, the prior is OffCenterPrior. If `keep_if_possible` is set, query.camera (then the
+// prior's camera) and the pose stay unchanged unless the inliers contradict the prior
+// significantly.
 AnsweredCamera RefineAnswer(const QueryContext& query,
                             const std::vector<Correspondence>& correspondences,
                             PoseEstimate estimate, const CameraPrior& prior, bool keep_if_possible,

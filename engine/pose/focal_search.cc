@@ -10,7 +10,19 @@ CameraPrior CameraPriorOf(const LocalizeQuery& query) {
   // share of the long side: KITTI 1.1 % and 0.2 %, Herz-Jesus 0.5 % and 0.5 %.
   constexpr double kUnknownPrincipalPointSigma = 0.0065;
   CameraPrior prior = {query.camera, query.focal.value_or(FocalPrior{kAssumedFocalLogSigma})};
-  prior.principal_point_sigma = prior.focal.with_distortion ? kUnknownPrincipalPointSigma : 0.0;
+  const Camera& camera = query.camera;
+  const Eigen::Vector2d middle_px(0.5 * camera.width_px(), 0.5 * camera.height_px());
+  // A calibration puts the principal point elsewhere.
+  const bool is_calibrated = !query.focal || PrincipalPointPx(camera) != middle_px;
+  prior.principal_point_sigma = is_calibrated ? 0.0 : kUnknownPrincipalPointSigma;
+  return prior;
+}
+
+CameraPrior OffCenterPrior(CameraPrior prior) {
+  constexpr double kOffCenterSigma = 0.2;
+  prior.is_off_center = true;
+  prior.principal_point_sigma = kOffCenterSigma;
+  prior.focal.log_sigma = FocalPrior::kMaxLogSigma;
   return prior;
 }
 
@@ -30,11 +42,19 @@ std::vector<double> FocalGuesses(const FocalPrior& prior) {
 
 double LogCameraShare(const CameraPrior& prior, const RefinedCamera& refined) {
   constexpr double kFreedom = 3.0;
+  const auto log_density = [&](double num_dimensions, double sq_deviation) {
+    return -0.5 * (kFreedom + num_dimensions) * std::log1p(sq_deviation / kFreedom);
+  };
   const double deviation =
       std::log(refined.camera.focal_px() / prior.camera.focal_px()) / prior.focal.log_sigma;
   const double log_width = std::log(refined.focal_log_sigma / prior.focal.log_sigma);
-  return std::min(0.0, log_width) -
-         0.5 * (kFreedom + 1.0) * std::log1p(deviation * deviation / kFreedom);
+  const double shift_px =
+      (PrincipalPointPx(refined.camera) - PrincipalPointPx(prior.camera)).norm();
+  const double sigma_px =
+      prior.principal_point_sigma * std::max(prior.camera.width_px(), prior.camera.height_px());
+  const double sq_shift = sigma_px > 0.0 ? std::pow(shift_px / sigma_px, 2) : 0.0;
+  return std::min(0.0, log_width) + log_density(1.0, deviation * deviation) +
+         log_density(2.0, sq_shift);
 }
 
 CameraEstimate MakeCameraEstimate(const CameraPrior& prior, const RefinedCamera& refined) {
@@ -43,7 +63,14 @@ CameraEstimate MakeCameraEstimate(const CameraPrior& prior, const RefinedCamera&
   estimate.focal_sigma_px = refined.focal_log_sigma * refined.camera.focal_px();
   estimate.assumed_focal_px = prior.camera.focal_px();
   estimate.assumed_focal_sigma_px = prior.focal.log_sigma * prior.camera.focal_px();
-  estimate.focal_disagrees = refined.FocalDisagrees();
+  estimate.is_off_center = refined.is_off_center;
+  const double log_ratio = std::log(refined.camera.focal_px() / prior.camera.focal_px());
+  // The prior of a photo off center says nothing about its focal length.
+  estimate.focal_disagrees =
+      refined.is_off_center
+          ? std::abs(log_ratio) > RefinedCamera::kMaxDisagreement *
+                                      std::hypot(prior.focal.log_sigma, refined.focal_log_sigma)
+          : refined.FocalDisagrees();
   return estimate;
 }
 

@@ -18,8 +18,14 @@ inline constexpr double kAssumedFocalLogSigma = 0.01;
 // larger, several focal lengths are tried.
 inline constexpr double kMaxTrustedFocalLogSigma = 0.03;
 
-// Returns what a query states about its camera. The query must not be a rig's.
+// Returns what a query states about its camera. The principal point is known unless the focal
+// length is uncertain and the principal point is exactly in the middle. The query must not be a
+// rig's.
 CameraPrior CameraPriorOf(const LocalizeQuery& query);
+
+// Returns the prior of a photo that was cut out of another, not around its middle. The optical axis
+// may be anywhere, and the photo's size says little about the focal length.
+CameraPrior OffCenterPrior(CameraPrior prior);
 
 // Returns factors of the prior's focal length to try, likeliest first: up to three standard
 // deviations on either side, so close together that RefineWithCamera reaches the focal lengths in
@@ -34,10 +40,11 @@ std::vector<double> FocalGuesses(const FocalPrior& prior);
 // Returns the logarithm of the share of the prior's focal lengths that the refined camera stands
 // for: the prior's density at its focal length times the width that the inliers leave, as
 // LogPoseShare does for poses. The logarithm of the focal length follows a Student distribution
-// with three degrees of freedom, because stated focal lengths are sometimes grossly wrong. At most
-// 0.
+// with three degrees of freedom, because stated focal lengths are sometimes grossly wrong, and so
+// do the coordinates of the principal point. At most 0.
 double LogCameraShare(const CameraPrior& prior, const RefinedCamera& refined);
 
+// `prior` is that of the query, also if the photo is off center.
 CameraEstimate MakeCameraEstimate(const CameraPrior& prior, const RefinedCamera& refined);
 
 }  // namespace cairn

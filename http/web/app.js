@@ -510,7 +510,8 @@ function describeCamera(camera) {
   const focal = (camera.focalLength / photoScale).toFixed(0);
   const accuracy = (camera.focalLengthAccuracy / photoScale).toFixed(0);
   const note = camera.focalLengthDisagrees ? ", contradicts the given value" : "";
-  return [`focal length ${focal} ± ${accuracy} px${note}`];
+  const part = camera.offCenter ? ["the photo was cut out of another"] : [];
+  return [`focal length ${focal} ± ${accuracy} px${note}`, ...part];
 }
 
 function say(text) {

@@ -183,13 +183,14 @@ void ExpectEqual(const WireAccuracy& a, const WireAccuracy& b) {
 }
 
 void ExpectEqual(const CameraEstimate& a, const CameraEstimate& b) {
-  const auto& [camera, focal_sigma_px, assumed_focal_px, assumed_focal_sigma_px, focal_disagrees] =
-      a;
+  const auto& [camera, focal_sigma_px, assumed_focal_px, assumed_focal_sigma_px, focal_disagrees,
+               is_off_center] = a;
   ExpectEqual(camera, b.camera);
   EXPECT_EQ(focal_sigma_px, b.focal_sigma_px);
   EXPECT_EQ(assumed_focal_px, b.assumed_focal_px);
   EXPECT_EQ(assumed_focal_sigma_px, b.assumed_focal_sigma_px);
   EXPECT_EQ(focal_disagrees, b.focal_disagrees);
+  EXPECT_EQ(is_off_center, b.is_off_center);
 }
 
 void ExpectEqual(const WirePose& a, const WirePose& b) {
@@ -269,7 +270,8 @@ WirePose FullPose() {
                                          .focal_sigma_px = 2.5,
                                          .assumed_focal_px = 544,
                                          .assumed_focal_sigma_px = 190.5,
-                                         .focal_disagrees = true},
+                                         .focal_disagrees = true,
+                                         .is_off_center = true},
                 .confidence = 0.97,
                 .score = 88.5,
                 .false_alarm_rate = 1e-9,

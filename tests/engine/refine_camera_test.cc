@@ -127,34 +127,54 @@ TEST(RefineCamera, CovarianceMatchesErrors) {
   EXPECT_NEAR(sum_center / kNumRuns, 3.0, 1.0);
 }
 
-// The principal point is not estimated. Its error moves the pose by more than the noise does.
-TEST(RefineCamera, CovarianceHoldsTheErrorOfThePrincipalPoint) {
+// Principal points and aspects drawn anew, with which a camera in the middle with square pixels is
+// off by more than the noise.
+TEST(RefineCamera, FindsThePrincipalPointAndTheAspectUnlessTheyAreKnown) {
   constexpr int kNumRuns = 100;
   constexpr double kSigma = 0.01;
   std::mt19937_64 generator(3);
-  std::normal_distribution<double> normal(0.0, kSigma * 640);
-  double sum = 0.0, sum_without = 0.0;
+  std::normal_distribution<double> normal;
+  double sum = 0.0, sum_known = 0.0, sum_sq_px = 0.0;
   for (int i = 0; i < kNumRuns; ++i) {
-    const double x_px = normal(generator), y_px = normal(generator);
+    const double x_px = 320.0 + kSigma * 640 * normal(generator);
+    const double y_px = 240.0 + kSigma * 640 * normal(generator);
+    const double aspect = std::exp(CameraPrior().aspect_sigma * normal(generator));
     PoseSceneOptions options = CameraScene(300 + i);
     options.pixel_noise_px = 0.3;
-    options.camera =
-        Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 320.0 + x_px, 240.0 + y_px});
+    options.camera = WithAspectScaled(
+        Camera(CameraModel::kPinhole, 640, 480, {500.0, 500.0, x_px, y_px}), aspect);
     const PoseScene scene = MakePoseScene(options);
     CameraPrior prior = {Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 320.0, 240.0}),
                          FocalPrior{.log_sigma = 0.05}};
-    const auto squares = [&] {
+    const auto refine = [&](double* sum_of_squares) {
       const RefinedCamera refined = Refine(scene, prior);
       const Eigen::Vector3d error =
           refined.cam_from_anchor.Inverse().translation - scene.center_in_anchor();
-      return error.dot(refined.covariance.bottomRightCorner<3, 3>().inverse() * error);
+      *sum_of_squares +=
+          error.dot(refined.covariance.bottomRightCorner<3, 3>().inverse() * error) / kNumRuns;
+      return refined.camera;
     };
-    sum_without += squares() / kNumRuns;
+    EXPECT_EQ(refine(&sum_known).model(), CameraModel::kSimplePinhole);
     prior.principal_point_sigma = kSigma;
-    sum += squares() / kNumRuns;
+    const Eigen::Vector2d error_px =
+        PrincipalPointPx(refine(&sum)) - PrincipalPointPx(options.camera);
+    sum_sq_px += error_px.squaredNorm() / (2.0 * kNumRuns);
   }
-  EXPECT_GT(sum_without, 2.0 * sum);
-  EXPECT_NEAR(sum, 3.0, 1.5);
+  EXPECT_GT(sum_known, 2.0 * sum);
+  EXPECT_NEAR(sum, 3.0, 1.0);
+  EXPECT_LT(std::sqrt(sum_sq_px), 0.7 * kSigma * 640);
+}
+
+TEST(RefineCamera, APrincipalPointFarFromTheMiddleDisagrees) {
+  PoseSceneOptions options = CameraScene(5);
+  options.camera = Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 450.0, 240.0});
+  const PoseScene scene = MakePoseScene(options);
+  CameraPrior prior = {Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 320.0, 240.0}),
+                       FocalPrior{.log_sigma = 0.05}};
+  prior.principal_point_sigma = 0.0065;
+  EXPECT_GT(Refine(scene, prior).principal_point_disagreement, 6.0);
+  prior.principal_point_sigma = 0.2;
+  EXPECT_NEAR(PrincipalPointPx(Refine(scene, prior).camera).x(), 450.0, 10.0);
 }
 
 // A wall seen straight on says nothing about the focal length: twice as far away with twice the

@@ -13,11 +13,14 @@
 #include "engine/find_camera.h"
 #include "engine/mapped_streets.h"
 #include "engine/pose/focal_search.h"
+#include "support/cut_out.h"
 
 namespace cairn {
 namespace {
 
+using testing::CutOut;
 using testing::ExpectPose;
+using testing::Part;
 using testing::QueryAt;
 using testing::QueryPose;
 
@@ -52,6 +55,7 @@ TEST_F(UnknownCamera, IsEstimatedWithThePose) {
   ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
   ExpectCamera(result);
   EXPECT_FALSE(result.camera->focal_disagrees);
+  EXPECT_FALSE(result.camera->is_off_center);
   EXPECT_NEAR(result.camera->assumed_focal_px, 0.85 * 640, 1e-9);
   for (const LocalizeMatch& match : result.matches) {
     const auto pixel = result.camera->camera.Project(result.cam_from_anchor * match.x_in_anchor);
@@ -135,25 +139,56 @@ TEST_F(UnknownCamera, ParametersOfAnotherSizeOfThePictureAreRecognized) {
 
 // The upper left part of a picture has its principal point on the diagonal, too.
 TEST_F(UnknownCamera, ACropWithItsOwnParametersIsAnsweredAsStated) {
-  LocalizeQuery query = QueryAt(*world_, Truth());
-  const int width_px = query.camera.width_px() * 7 / 10;
-  const int height_px = query.camera.height_px() * 7 / 10;
-  FeatureSet cropped;
-  std::vector<int> kept;
-  for (int i = 0; i < query.features.size(); ++i) {
-    const Keypoint& keypoint = query.features.keypoints[i];
-    if (keypoint.x_px < width_px && keypoint.y_px < height_px) {
-      cropped.keypoints.push_back(keypoint);
-      kept.push_back(i);
-    }
-  }
-  cropped.descriptors = query.features.descriptors(kept, Eigen::all);
-  query.features = cropped;
-  query.camera = Camera(query.camera.model(), width_px, height_px, query.camera.params());
+  const LocalizeQuery whole = QueryAt(*world_, Truth());
+  LocalizeQuery query = CutOut(whole, {.right = 0.7, .bottom = 0.7});
+  query.camera = Camera(whole.camera.model(), query.camera.width_px(), query.camera.height_px(),
+                        whole.camera.params());
+  query.focal.reset();
   ASSERT_TRUE(CameraOfThisSize(query.camera));
   const LocalizeResult result = map_->localizer().Localize(query);
   ExpectPose(result, *world_, Truth(), 0.1, 0.2 * kRadPerDeg);
   EXPECT_FALSE(result.camera);
+}
+
+// Far off, and said to be certain: so far off that all of the freedom of the focal length is
+// needed.
+TEST_F(UnknownCamera, AWrongFocalLengthIsNoPartOfAPhoto) {
+  for (const double factor : {0.65, 0.8, 1.25, 1.4}) {
+    const LocalizeResult result = map_->localizer().Localize(Asked(factor, 0.01));
+    EXPECT_FALSE(result.camera && result.camera->is_off_center) << factor;
+  }
+}
+
+// As people crop photos before they send them.
+TEST_F(UnknownCamera, APartOfAPhotoIsRecognizedAsThat) {
+  const LocalizeQuery whole = QueryAt(*world_, Truth());
+  const Eigen::Vector2d axis_px = PrincipalPointPx(whole.camera);
+  const double width_px = whole.camera.width_px(), height_px = whole.camera.height_px();
+  for (const Part& part :
+       {Part{.right = 0.7}, Part{.left = 0.35}, Part{.top = 0.3, .right = 0.7}}) {
+    SCOPED_TRACE(part.left);
+    LocalizeQuery query = CutOut(whole, part);
+    const Eigen::Vector2d corner_px(part.left * width_px, part.top * height_px);
+    // The focal length in an EXIF is that of the whole photo, in shares of the long side.
+    const Camera of_exif(CameraModel::kSimplePinhole, query.camera.width_px(),
+                         query.camera.height_px(),
+                         {whole.camera.focal_px() * query.camera.width_px() / width_px,
+                          0.5 * query.camera.width_px(), 0.5 * query.camera.height_px()});
+    for (const bool has_exif : {false, true}) {
+      if (has_exif) {
+        query.camera = of_exif;
+        query.focal = FocalPrior{.log_sigma = 0.05};
+      }
+      const LocalizeResult result = map_->localizer().Localize(query);
+      ExpectPose(result, *world_, Truth(), 3.0 * result.position_accuracy_m,
+                 3.0 * result.rotation_accuracy_rad);
+      EXPECT_LT(result.position_accuracy_m, 0.4);
+      ASSERT_TRUE(result.camera);
+      EXPECT_TRUE(result.camera->is_off_center);
+      EXPECT_EQ(result.camera->focal_disagrees, has_exif);
+      EXPECT_LT((PrincipalPointPx(result.camera->camera) - (axis_px - corner_px)).norm(), 15.0);
+    }
+  }
 }
 
 TEST(CameraOfThisSize, IsNoneForPrincipalPointsNearTheMiddleOrOffTheDiagonals) {

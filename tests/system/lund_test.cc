@@ -2,8 +2,12 @@
 // make the map.
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "core/angles.h"
 #include "core/keypoint_shape.h"
+#include "core/statistics.h"
+#include "support/cut_out.h"
 #include "support/test_data.h"
 #include "system/real_drive.h"
 
@@ -62,6 +66,23 @@ TEST_F(LundStreet, NeedsNoFocalLength) {
   const EvalReport unknown = street_->Run(QueryRoute::kInProcessFeatures, {.withheld = true});
   EXPECT_GE(unknown.num_localized, known.num_localized);
   EXPECT_LE(unknown.median_position_error_m.value, 0.3);
+}
+
+// Parts of photos without a camera, as people send them.
+TEST_F(LundStreet, LocalizesPartsOfPhotos) {
+  std::vector<double> errors_m;
+  for (const Part& part :
+       {Part{.right = 0.7}, Part{.left = 0.3}, Part{.right = 0.7, .bottom = 0.7}}) {
+    for (const EvalQuery& query : street_->queries()) {
+      const LocalizeResult whole = street_->localizer().Localize(query.query);
+      const LocalizeResult cut_out = street_->localizer().Localize(CutOut(query.query, part));
+      if (whole.localized && cut_out.localized) {
+        errors_m.push_back(PositionDifferenceM(cut_out, whole));
+      }
+    }
+  }
+  EXPECT_GE(errors_m.size(), 18u);
+  EXPECT_LE(Median(errors_m), 0.2);
 }
 
 TEST_F(LundStreet, ServerAnswersFeaturesAsTheLibraryDoes) {
