@@ -42,15 +42,15 @@ void PrintAdjustment(const JointAdjustment& adjustment) {
 }
 
 void PrintComparison(const MapComparison& comparison, const char* queries) {
-  if (comparison.num_asked() == 0 && comparison.nearest_tile_m == 0.0) {
+  if (comparison.num_asked() == 0 && !comparison.nearest_tile_m) {
     return;
   }
   fmt::print("comparison       ");
-  if (comparison.nearest_tile_m > 0.0) {
-    fmt::print("the nearest tile of the map is {:.0f} m away; ", comparison.nearest_tile_m);
+  if (comparison.nearest_tile_m) {
+    fmt::print("the nearest tile of the map is about {:.0f} m away; ", *comparison.nearest_tile_m);
   }
   if (comparison.num_asked() == 0) {
-    fmt::print("nothing compares the two\n");
+    fmt::print("no tile is within 2 km, so the {} were not searched in the map\n", queries);
     return;
   }
   fmt::print("the map recognizes {} of {} {}", comparison.num_localized, comparison.num_expected,
@@ -68,7 +68,7 @@ void PrintComparison(const MapComparison& comparison, const char* queries) {
   }
   fmt::print("\n");
   PrintAnchoring(comparison);
-  if (!IsJudged(comparison) && comparison.nearest_tile_m == 0.0) {
+  if (!IsJudged(comparison)) {
     fmt::print(
         "                 too few {} agree to judge whether the placement fits the map (at least "
         "{} must); it was taken as it is, and nothing of the map fades or gives way\n",
@@ -97,7 +97,6 @@ nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
                                  {"photosRecognized", comparison.num_localized},
                                  {"photosSought", comparison.num_sought},
                                  {"photosFound", comparison.num_found},
-                                 {"nearestTileM", comparison.nearest_tile_m},
                                  {"photosAgreeing", comparison.fit.num_agreeing},
                                  {"judged", IsJudged(comparison)},
                                  {"movedM", comparison.fit.moved_m},
@@ -105,7 +104,10 @@ nlohmann::ordered_json ComparisonJson(const MapComparison& comparison) {
                                  {"turnedDeg", comparison.fit.turned_rad * kDegPerRad},
                                  {"scale", comparison.fit.scale},
                                  {"medianResidualM", comparison.fit.median_residual_m}};
-  if (comparison.anchoring.num_answers > 0) {  // Plans do not store it.
+  if (comparison.nearest_tile_m) {  // Plans do not store it.
+    json["nearestTileM"] = *comparison.nearest_tile_m;
+  }
+  if (comparison.anchoring.num_answers > 0) {  // Nor this.
     json["anchored"] = IsAnchored(comparison.anchoring);
     json["anchoredPlaces"] = comparison.anchoring.winner.num_places;
     json["rivalPlaces"] = comparison.anchoring.rival.num_places;

@@ -94,12 +94,9 @@ void RequireRecognized(const MapComparison& comparison, const AgreementOptions& 
 void RequireOneMotion(const MapComparison& comparison, const AgreementOptions& options,
                       const std::string& newcomer) {
   const int num_recognized = comparison.num_recognized();
-  // A few sure answers to photos of new ground contradict nothing.
-  const bool is_known = comparison.num_localized >= kLeastPhotosToJudge ||
-                        2 * num_recognized >= comparison.num_asked();
   const bool is_placed =
       IsAnchored(comparison.anchoring) && IsJudged(comparison) && !IsFromBehind(comparison);
-  if (is_known && num_recognized >= kLeastPhotosToJudge && !is_placed &&
+  if (IsKnown(comparison) && num_recognized >= kLeastPhotosToJudge && !is_placed &&
       comparison.fit.num_agreeing < options.min_agreeing_share * num_recognized) {
     Refuse(newcomer,
            fmt::format("the map recognizes {} of {} photos, but only {} of them in places "
@@ -118,7 +115,8 @@ void RequireOneGroup(const MapComparison& comparison, const std::string& newcome
   const FrameSet& rival = comparison.anchoring.rival;
   const bool is_as_large = 2 * rival.num_places >= winner.num_places;
   // The other part may be small, but where it is, the map contradicts it.
-  const bool is_where_sought = 2 * comparison.num_found_elsewhere > comparison.num_sought;
+  const bool is_where_sought = comparison.num_found_by_rival >= kLeastPlaces &&
+                               2 * comparison.num_found_by_rival > comparison.num_sought;
   if (rival.num_places >= kLeastPlaces && (is_as_large || is_where_sought)) {
     Refuse(newcomer,
            fmt::format("the map sees {} of its photos, in {} places, where they agree with each "
@@ -131,7 +129,7 @@ void RequireOneGroup(const MapComparison& comparison, const std::string& newcome
 // Whether the map knows the place where a session stands: it recognizes some photos, or should
 // recognize many.
 bool IsOnKnownGround(const MapComparison& comparison, const AgreementOptions& options) {
-  return comparison.num_recognized() >= kLeastPhotosToJudge ||
+  return (IsKnown(comparison) && comparison.num_recognized() >= kLeastPhotosToJudge) ||
          comparison.num_expected >=
              std::clamp((comparison.anchoring.session.num_frames + 1) / 2, 1, options.min_expected);
 }

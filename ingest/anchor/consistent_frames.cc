@@ -240,14 +240,20 @@ class Verdict {
     }
     std::sort(accepted_.begin(), accepted_.end());
     result_.winner = Weigh(frames_, accepted_);
-    result_.agrees.assign(frames_.size(), false);
-    for (const size_t i : accepted_) {
-      result_.agrees[i] = true;
-    }
+    result_.agrees = Flags(accepted_);
+    result_.is_rival = Flags(rival_);
     return std::move(result_);
   }
 
  private:
+  std::vector<bool> Flags(const std::vector<size_t>& set) const {
+    std::vector<bool> flags(frames_.size(), false);
+    for (const size_t i : set) {
+      flags[i] = true;
+    }
+    return flags;
+  }
+
   // Accepts the group as an island, notes that it is a rival, or passes over it.
   void Settle(const std::vector<size_t>& group) {
     const FrameSet weight = Weigh(frames_, group);
@@ -260,6 +266,7 @@ class Verdict {
     }
     if (weight.num_places > result_.rival.num_places) {
       result_.rival = weight;
+      rival_ = group;
     }
     result_.rival_is_apart |= is_apart && 2 * weight.num_places >= kIslandPlaces;
   }
@@ -275,7 +282,7 @@ class Verdict {
   const std::vector<Frame>& frames_;
   const ConsistencyOptions& options_;
   const std::vector<std::vector<size_t>> groups_;
-  std::vector<size_t> accepted_;
+  std::vector<size_t> accepted_, rival_;
   ConsistentFrames result_;
 };
 

@@ -36,9 +36,10 @@ struct FrameSet {
 };
 
 struct ConsistentFrames {
-  std::vector<bool> agrees;  // Of each pair.
-  FrameSet winner;           // All frames that agree.
-  FrameSet rival;            // The largest group that agrees on something else.
+  std::vector<bool> agrees;    // Of each pair.
+  FrameSet winner;             // All frames that agree.
+  FrameSet rival;              // The largest group that agrees on something else.
+  std::vector<bool> is_rival;  // Of each pair.
   // A rival of at least five places stands 60 m apart from the frames that agree, where nothing
   // speaks against it.
   bool rival_is_apart = false;

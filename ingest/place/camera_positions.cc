@@ -67,9 +67,7 @@ std::vector<CameraPosition> ReadCameraPositions(const std::string& path,
     position.position = table.Position(position.image_name);
     position.accuracy_m = table.AccuracyOr(default_accuracy_m);
     position.has_height = table.Has("h_m");
-    if (position.has_height) {
-      position.height_reference = table.height_reference();
-    }
+    position.height_reference = table.height_reference();
     const auto [first, is_new] =
         position_of_name.try_emplace(position.image_name, positions.size());
     if (is_new) {

@@ -18,7 +18,6 @@
 #include "core/radius68.h"
 #include "core/statistics.h"
 #include "engine/localizer.h"
-#include "engine/nearest_tile.h"
 #include "ingest/place/image_query.h"
 #include "ingest/place/in_map_accuracy.h"
 #include "ingest/place/tiles_around.h"
@@ -204,6 +203,9 @@ void FitPairs(const std::vector<PosePair>& pairs, const ComparisonOptions& how,
   anchoring.winner = consistent.winner;
   anchoring.rival = consistent.rival;
   anchoring.rival_is_apart = consistent.rival_is_apart;
+  // The expected photos were asked for first.
+  comparison->num_found_by_rival = static_cast<int>(std::count(
+      consistent.is_rival.begin() + comparison->num_localized, consistent.is_rival.end(), true));
   comparison->bending = Bending();
   // A group of a session that is not anchored proves nothing; one motion has to explain its photos.
   if (!IsAnchored(anchoring)) {
@@ -232,18 +234,27 @@ LocalizerOptions MostPrecise() {
   return options;
 }
 
-// Asks the map for photos and collects what it says.
+std::vector<Geodetic> PlacesOf(const PlacedSession& session, const std::vector<int>& photos) {
+  std::vector<Geodetic> places;
+  for (const int image_idx : photos) {
+    places.push_back(GeodeticFromEcef(
+        session.cam_from_ecef[static_cast<size_t>(image_idx)].Inverse().translation));
+  }
+  return places;
+}
+
+// Asks the map for photos and collects what it says. `beyond` are those that are searched anywhere.
 class MapInquiry {
  public:
   MapInquiry(const Reconstruction& reconstruction, const PlacedSession& session,
-             const KnownTiles& map, const ComparisonOptions& options)
+             const KnownTiles& map, const std::vector<int>& beyond,
+             const ComparisonOptions& options)
       : reconstruction_(reconstruction),
         session_(session),
         options_(options),
         codec_(map.CurrentCodebook()->CodecName()),
         near_(map, MostPrecise(), map.memory()->searchable()),
-        around_(map, GeodeticFromEcef(MiddleOf(CentersOf(session))),
-                ExtentM(session.cam_from_ecef) + kMaxSearchedM),
+        around_(map, PlacesOf(session, beyond), kMaxSearchedM),
         anywhere_(around_, MostPrecise(), map.memory()->searchable()) {}
 
   bool has_tiles_around() const { return !around_.empty(); }
@@ -280,13 +291,11 @@ class MapInquiry {
     }
     FitPairs(pairs_, options_, comparison);
     std::set<int> agreeing;
-    comparison->num_agreeing_from_behind = comparison->num_found_elsewhere = 0;
+    comparison->num_agreeing_from_behind = 0;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       if (comparison->fit.agrees[i]) {
         agreeing.insert(recognized_[i]);
         comparison->num_agreeing_from_behind += is_from_behind_[i] ? 1 : 0;
-      } else if (i >= static_cast<size_t>(comparison->num_localized)) {
-        ++comparison->num_found_elsewhere;
       }
     }
     comparison->num_expected_after = comparison->num_agreeing_after = 0;
@@ -330,7 +339,7 @@ void Seek(const std::vector<int>& photos, size_t num_first, std::optional<double
     comparison->num_sought += static_cast<int>(part.size());
     comparison->num_found += num_found;
     inquiry->Fit(known, comparison);
-    const bool is_contradicted = 2 * comparison->num_found_elsewhere > comparison->num_found;
+    const bool is_contradicted = 2 * comparison->num_found_by_rival > comparison->num_found;
     if (num_found == 0 || (IsDecided(*comparison) && !is_contradicted)) {
       return;
     }
@@ -338,6 +347,11 @@ void Seek(const std::vector<int>& photos, size_t num_first, std::optional<double
 }
 
 }  // namespace
+
+bool IsKnown(const MapComparison& comparison) {
+  return comparison.num_localized >= kLeastPhotosToJudge ||
+         2 * comparison.num_recognized() >= comparison.num_asked();
+}
 
 bool IsJudged(const MapComparison& comparison) {
   // Ten photos do not agree by chance.
@@ -364,12 +378,10 @@ MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedS
   const PhotosToAsk photos = ChooseAmong(session, map, &known);
   comparison.num_expected = static_cast<int>(photos.expected.size());
   if (photos.expected.empty() && photos.sought_near.empty()) {
-    comparison.nearest_tile_m =
-        NearestTileM(map.stored().map(), GeodeticFromEcef(MiddleOf(CentersOf(session))))
-            .value_or(0.0);
+    comparison.nearest_tile_m = DistanceToMapM(map, PlacesOf(session, photos.sought_anywhere));
   }
   if (map.CurrentCodebook() != nullptr) {
-    MapInquiry inquiry(reconstruction, session, map, options);
+    MapInquiry inquiry(reconstruction, session, map, photos.sought_anywhere, options);
     comparison.num_localized = inquiry.Ask(photos.expected, kExpectedAccuracyM, 0.0);
     inquiry.Fit(&known, &comparison);
     Seek(photos.sought_near, kFirstNear, kSoughtAccuracyM, &known, &inquiry, &comparison);

@@ -2,6 +2,7 @@
 #ifndef CAIRN_INGEST_PLACE_COMPARE_WITH_MAP_H_
 #define CAIRN_INGEST_PLACE_COMPARE_WITH_MAP_H_
 
+#include <optional>
 #include <vector>
 
 #include "core/rigid3.h"
@@ -20,14 +21,14 @@ namespace cairn {
 // within 100 m of where it stands if a tile is as near, and else in all tiles around the session.
 // The map recognizes it if it, or the session, is misplaced.
 struct MapComparison {
-  int num_expected = 0;   // Expected photos that were asked for.
-  int num_localized = 0;  // Of these, the photos that the map recognized.
-  int num_sought = 0;     // Sought photos that were asked for.
-  int num_found = 0;      // Of these, the photos that the map recognized for sure.
-  // Of the photos found, those that do not agree on the motion.
-  int num_found_elsewhere = 0;
-  // From the middle of the session to the nearest tile if no photo stands within 100 m of one.
-  double nearest_tile_m = 0.0;
+  int num_expected = 0;        // Expected photos that were asked for.
+  int num_localized = 0;       // Of these, the photos that the map recognized.
+  int num_sought = 0;          // Sought photos that were asked for.
+  int num_found = 0;           // Of these, the photos that the map recognized for sure.
+  int num_found_by_rival = 0;  // Of the photos found, those of anchoring.rival.
+  // From the nearest photo to the nearest tile if no photo stands within 100 m of one; empty, too,
+  // if the map has no tiles.
+  std::optional<double> nearest_tile_m;
   // Recognized photos that see what they recognize from the side opposite to that of the mapping
   // photos, as a mirrored session or a session in a mirrored map does.
   int num_from_behind = 0;
@@ -65,6 +66,11 @@ inline constexpr int kLeastPhotosToJudge = 3;
 // map cannot tell whether the session stands in the right place.
 bool IsJudged(const MapComparison& comparison);
 
+// Whether the map knows the place where the session stands: it recognizes some of the photos that
+// it should, or half of all that were asked for. A few sure answers to photos of new ground
+// contradict nothing.
+bool IsKnown(const MapComparison& comparison);
+
 // Photos are sought within this distance of where they stand, or anywhere.
 inline constexpr double kReachM = 100.0;
 
@@ -90,8 +96,9 @@ struct ComparisonOptions {
 // space of the map's codebook. Asks for the expected photos first. Then for the sought photos, near
 // ones and those beyond: a few first, the others only if the map recognizes one, and either fewer
 // than half of the expected photos agree on one motion and anchor the session, or most of those
-// found disagree with it. Searches the nearest 400 tiles within 2 km of the session at most, so a
-// session that is misplaced by more is not found. Throws what the engine throws on a damaged map.
+// found do not agree with it. Photos beyond are searched in the 400 tiles within 2 km that are
+// nearest to one of them, so a session that is misplaced by more is not found. Throws what the
+// engine throws on a damaged map.
 MapComparison CompareWithMap(const Reconstruction& reconstruction, const PlacedSession& session,
                              const KnownTiles& map, const ComparisonOptions& options);
 

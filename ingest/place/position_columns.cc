@@ -147,9 +147,11 @@ std::vector<double> NumbersOf(std::string_view text) {
 
 std::vector<size_t> FindColumns(const std::vector<std::string>& header, std::string_view name) {
   std::vector<size_t> columns;
+  std::vector<bool> is_taken(header.size(), false);
   const auto add_if = [&](const auto& holds) {
     for (size_t i = 0; i < header.size(); ++i) {
-      if (std::find(columns.begin(), columns.end(), i) == columns.end() && holds(header[i])) {
+      if (!is_taken[i] && holds(header[i])) {
+        is_taken[i] = true;
         columns.push_back(i);
       }
     }

@@ -3,7 +3,7 @@
 #define CAIRN_INGEST_PLACE_TILES_AROUND_H_
 
 #include <memory>
-#include <set>
+#include <optional>
 #include <vector>
 
 #include "core/geodesy.h"
@@ -12,12 +12,12 @@
 
 namespace cairn {
 
-// At most 400 tiles of a map within a radius, the nearest to the middle. Calls throw as those of
-// the map. Safe to call from any thread.
+// At most 400 tiles of a map within a radius of one of some places, the nearest to one of them.
+// Calls throw as those of the map. Safe to call from any thread.
 class TilesAround : public MapTiles {
  public:
   // `map` must outlive the object.
-  TilesAround(const MapTiles& map, const Geodetic& middle, double radius_m);
+  TilesAround(const MapTiles& map, const std::vector<Geodetic>& places, double radius_m);
 
   bool empty() const { return tiles_.empty(); }
 
@@ -29,8 +29,12 @@ class TilesAround : public MapTiles {
 
  private:
   const MapTiles& map_;
-  std::set<TileId> tiles_;
+  std::vector<TileRecord> tiles_;  // Ordered by id.
 };
+
+// Returns the distance from the nearest of the places to the nearest tile: its middle, and half of
+// its side less. Empty if there are no places or the map has no tiles.
+std::optional<double> DistanceToMapM(const MapTiles& map, const std::vector<Geodetic>& places);
 
 }  // namespace cairn
 

@@ -43,7 +43,7 @@ std::span<const uint8_t> BytesOf(const std::string& text) {
 // What a photo as it was read depends on. The number changes if the code of an extractor does, or
 // what is read of the EXIF.
 std::string ReadingKey(const FeatureExtractor& extractor) {
-  return fmt::format("{} 3 {}", extractor.descriptor_type(), extractor.settings());
+  return fmt::format("{} 4 {}", extractor.descriptor_type(), extractor.settings());
 }
 
 // Nothing, and the reason in `result`, if the file cannot be read.

@@ -61,6 +61,15 @@ TEST(RequireAgreement, RefusesASessionOfTwoPartsThatContradictEachOther) {
                            "but 8 others, in 8 places, agree on another motion")));
   comparison.anchoring.rival = {4, 4, 10.0};  // As wrong answers do.
   EXPECT_NO_THROW(require());
+  // A rival far smaller than the rest counts where photos were sought and most were found in it.
+  comparison.anchoring.winner = {40, 40, 100.0};
+  comparison.anchoring.rival = {6, 6, 10.0};
+  comparison.num_sought = 1;
+  comparison.num_found = comparison.num_found_by_rival = 1;
+  EXPECT_NO_THROW(require());
+  comparison.num_sought = 8;
+  comparison.num_found = comparison.num_found_by_rival = 6;
+  EXPECT_THAT(require, ::testing::ThrowsMessage<SessionRefused>(::testing::HasSubstr("6 places")));
 }
 
 }  // namespace

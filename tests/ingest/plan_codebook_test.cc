@@ -39,12 +39,12 @@ TEST_P(PlanCodebookTest, IsRefusedAfterTheMapWasRecoded) {
   IngestOptions trained = PlanOptionsFor("first");
   trained.codebook.source = CodebookSource::kTrained;
   Ingest(Street(1), trained, &store);
-  const std::string plan = Plan(Street(2, 2000.0), PlanOptionsFor("second"), "plan", &store);
+  const std::string plan = Plan(Street(2, 5000.0), PlanOptionsFor("second"), "plan", &store);
   Build(plan);
   RecodeMap(*ShippedCodebook(), &store, {});
   ExpectRefusedForItsCodebook(plan, &store);
 
-  const std::string again = Plan(Street(2, 2000.0), PlanOptionsFor("second"), "again", &store);
+  const std::string again = Plan(Street(2, 5000.0), PlanOptionsFor("second"), "again", &store);
   Build(again);
   Publish(again, &store);
   EXPECT_EQ(store.Snapshot().Sessions().size(), 2u);
@@ -55,7 +55,7 @@ TEST_P(PlanCodebookTest, IsRefusedAfterAnotherSessionBroughtTheFirstCodebook) {
   MapStore store = MapStore::Create(Place("map"));
   const std::string plan = Plan(Street(1), PlanOptionsFor("first"), "plan", &store);
   Build(plan);
-  Ingest(Street(2, 2000.0), PlanOptionsFor("other"), &store);
+  Ingest(Street(2, 5000.0), PlanOptionsFor("other"), &store);
   ExpectRefusedForItsCodebook(plan, &store);
 }
 

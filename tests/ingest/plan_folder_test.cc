@@ -76,7 +76,8 @@ TEST_P(PlanFolderTest, DamagedFilesAreRefused) {
   const std::string plan = MakePlan();
   const std::string tile = PlanFolder(plan).plan().tiles.front().tile_id.ToString();
   for (const std::string& file : {plan + "/shards/" + tile, plan + "/codebook.bin"}) {
-    const std::string before = ReadTextFile(file, 1 << 28);
+    const std::vector<uint8_t> bytes = ReadFileBytes(file, 1 << 28);
+    const std::string before(bytes.begin(), bytes.end());
     std::ofstream(file, std::ios::app) << "x";
     const Failure failure = FailureOf([&] { Build(plan); });
     EXPECT_EQ(failure.code, ErrorCode::kBadInput);

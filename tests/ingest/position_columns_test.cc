@@ -157,7 +157,8 @@ TEST(CameraPositionsOfPrograms, AHeightWithAReferenceCountsBeforeVagueOnes) {
   const auto positions =
       Read("image,lat,lon,altitude,h_msl,altitude_ft\na,47,8,400,350,1148\nb,47,8,,,\n");
   EXPECT_EQ(positions.at(0).position.h_m, 350.0);
-  EXPECT_EQ(positions.at(1).height_reference, std::nullopt);
+  // A row without a height gets the median of the others, which is of their kind.
+  EXPECT_EQ(positions.at(1).height_reference, HeightReference::kMeanSeaLevel);
 }
 
 TEST(CameraPositionsOfPrograms, HeightsInFeetAreRefusedByName) {

@@ -137,7 +137,7 @@ TEST_P(PlanTest, OfTwoPlansOfATileOneWins) {
 TEST_P(PlanTest, PlansOfOtherTilesAreAllPublished) {
   MapStore store = MakeMap("map");
   const std::string here = Plan(Street(2), PlanOptionsFor("here"), "here", &store);
-  const std::string there = Plan(Street(3, 2000.0), PlanOptionsFor("there"), "there", &store);
+  const std::string there = Plan(Street(3, 5000.0), PlanOptionsFor("there"), "there", &store);
   Build(here);
   Build(there);
   Publish(there, &store);
@@ -193,13 +193,13 @@ TEST_P(PlanTest, ASessionThatTheMapHasNeedsNoTiles) {
 
 TEST_P(PlanTest, IsRefusedAfterItsSessionChanged) {
   MapStore store = MakeMap("map");
-  Ingest(Street(2, 2000.0), PlanOptionsFor("second"), &store);
+  Ingest(Street(2, 10'000.0), PlanOptionsFor("second"), &store);
   const std::string replaces = Plan(Street(3), PlanOptionsFor("first"), "replaces", &store);
-  const std::string adds = Plan(Street(4, 4000.0), PlanOptionsFor("new"), "adds", &store);
+  const std::string adds = Plan(Street(4, 20'000.0), PlanOptionsFor("new"), "adds", &store);
   Build(replaces);
   Build(adds);
   RemoveSession("first", &store);
-  Ingest(Street(5, 6000.0), PlanOptionsFor("new"), &store);
+  Ingest(Street(5, 30'000.0), PlanOptionsFor("new"), &store);
   EXPECT_THAT(FailureOf([&] { Publish(replaces, &store); }).message, HasSubstr("was removed"));
   EXPECT_THAT(FailureOf([&] { Publish(adds, &store); }).message, HasSubstr("of this name"));
 }

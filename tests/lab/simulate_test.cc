@@ -75,9 +75,9 @@ TEST_F(Simulate, TheSameSeedMakesTheSameQueries) {
               0);
   }
   for (const char* query : {"phone_000000.features", "phone_000002.features"}) {
-    const std::string a = ReadTextFile(dir_.File("a_features/" + std::string(query)), kMaxBytes);
+    const auto a = ReadFileBytes(dir_.File("a_features/" + std::string(query)), kMaxBytes);
     EXPECT_GT(a.size(), 10'000u);
-    EXPECT_EQ(a, ReadTextFile(dir_.File("b_features/" + std::string(query)), kMaxBytes));
+    EXPECT_EQ(a, ReadFileBytes(dir_.File("b_features/" + std::string(query)), kMaxBytes));
   }
 }
 
@@ -97,7 +97,8 @@ TEST_F(Simulate, WritesASequenceAndAPlan) {
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_THAT(finished.out, HasSubstr("401 inertial samples, 21 frames"));
   EXPECT_TRUE(std::filesystem::exists(dir_.File("walk/mav0/imu0/data.csv")));
-  EXPECT_EQ(ReadTextFile(dir_.File("plan.png"), kMaxBytes).substr(1, 3), "PNG");
+  const std::vector<uint8_t> png = ReadFileBytes(dir_.File("plan.png"), kMaxBytes);
+  EXPECT_EQ(std::string(png.begin() + 1, png.begin() + 4), "PNG");
 }
 
 TEST_F(Simulate, RefusesWhatCannotBe) {
