@@ -253,8 +253,10 @@ double PositionTable::Meters(const char* name) const {
 }
 
 Geodetic PositionTable::Position(const std::string& what) const {
+  // Heights such as -32768 and 1e6 stand for none. They stay so low or high that no place has them.
+  const double height_m = std::clamp(Height(), Geodetic::kMinHeightM, Geodetic::kMaxHeightM);
   const Geodetic position = Geodetic::FromDegrees(Angle("lat_deg", "lat_ref", "NS"),
-                                                  Angle("lon_deg", "lon_ref", "EW"), Height());
+                                                  Angle("lon_deg", "lon_ref", "EW"), height_m);
   try {
     ValidateGeodetic(position, Excerpt(what).c_str());
   } catch (const Error& e) {

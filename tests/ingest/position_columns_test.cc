@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "ingest/place/georegister.h"
+#include "ingest/place/position_checks.h"
 #include "support/temp_dir.h"
 
 namespace cairn {
@@ -159,6 +160,12 @@ TEST(CameraPositionsOfPrograms, AHeightWithAReferenceCountsBeforeVagueOnes) {
   EXPECT_EQ(positions.at(0).position.h_m, 350.0);
   // A row without a height gets the median of the others, which is of their kind.
   EXPECT_EQ(positions.at(1).height_reference, HeightReference::kMeanSeaLevel);
+}
+
+TEST(CameraPositionsOfPrograms, PlaceholdersOfHeightsStayImpossible) {
+  const auto positions = Read("image,lat,lon,h\na,47,8,-32768\nb,47,8,1e6\n");
+  EXPECT_LT(positions.at(0).position.h_m, kLowestPlaceM);
+  EXPECT_GT(positions.at(1).position.h_m, kHighestPlaceM);
 }
 
 TEST(CameraPositionsOfPrograms, HeightsInFeetAreRefusedByName) {
