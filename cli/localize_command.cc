@@ -80,8 +80,7 @@ void PrintCamera(const Camera& stated, const CameraEstimate& estimate) {
     const Eigen::Vector2d axis_px = PrincipalPointPx(estimate.camera);
     fmt::print(
         "off center   the optical axis meets pixel {:.0f}, {:.0f} of {} x {}: the photo was cut "
-        "out "
-        "of another\n",
+        "out of another\n",
         axis_px.x(), axis_px.y(), estimate.camera.width_px(), estimate.camera.height_px());
   }
 }

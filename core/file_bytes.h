@@ -16,7 +16,7 @@ namespace cairn {
 std::vector<uint8_t> ReadFileBytes(const std::string& path, uint64_t max_bytes);
 
 // Reads a file as text, without the byte order mark that some programs write first. Throws what
-// ReadFileBytes throws, and Error(kBadInput) for UTF-16 and for bytes that are no text.
+// ReadFileBytes throws, and Error(kBadInput) for UTF-16 and for zero bytes, which no text has.
 std::string ReadTextFile(const std::string& path, uint64_t max_bytes);
 
 // Creates or overwrites the file, pipe or device. Readers may see a part of it: see ReplaceFile.

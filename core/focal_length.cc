@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "core/check.h"
 #include "core/error.h"
 
 namespace cairn {
@@ -57,25 +55,9 @@ Camera WithTwoFocalLengths(const Camera& camera) {
   }
 }
 
-Camera WithAspectScaled(const Camera& camera, double factor) {
-  CAIRN_CHECK(NumFocalLengths(camera.model()) == 2, "the camera has one focal length");
-  std::vector<double> params = camera.params();
-  params[0] *= std::sqrt(factor);
-  params[1] /= std::sqrt(factor);
-  return Camera(camera.model(), camera.width_px(), camera.height_px(), std::move(params));
-}
-
 Eigen::Vector2d PrincipalPointPx(const Camera& camera) {
   const int first = NumFocalLengths(camera.model());
   return {camera.params()[first], camera.params()[first + 1]};
-}
-
-Camera WithPrincipalPointMoved(const Camera& camera, const Eigen::Vector2d& by_px) {
-  const int first = NumFocalLengths(camera.model());
-  std::vector<double> params = camera.params();
-  params[first] += by_px.x();
-  params[first + 1] += by_px.y();
-  return Camera(camera.model(), camera.width_px(), camera.height_px(), std::move(params));
 }
 
 }  // namespace cairn

@@ -53,15 +53,8 @@ Camera WithFocalScaled(const Camera& camera, double factor);
 // Returns the camera in a model that has a focal length for each axis, if there is one.
 Camera WithTwoFocalLengths(const Camera& camera);
 
-// Returns the camera with fx / fy multiplied by `factor` (positive), and fx * fy as it is. The
-// camera must have two focal lengths.
-Camera WithAspectScaled(const Camera& camera, double factor);
-
 // Returns the pixel of the optical axis.
 Eigen::Vector2d PrincipalPointPx(const Camera& camera);
-
-// Returns the camera with the optical axis at another pixel.
-Camera WithPrincipalPointMoved(const Camera& camera, const Eigen::Vector2d& by_px);
 
 }  // namespace cairn
 

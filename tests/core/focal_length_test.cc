@@ -36,23 +36,6 @@ TEST(WithTwoFocalLengths, ProjectsAsBefore) {
   }
 }
 
-TEST(WithAspectScaled, ScalesTheAxesAgainstEachOther) {
-  const Camera camera(CameraModel::kPinhole, 640, 480, {500.0, 400.0, 320.0, 240.0});
-  const Camera scaled = WithAspectScaled(camera, 1.21);
-  EXPECT_NEAR(scaled.params()[0], 550.0, 1e-9);
-  EXPECT_NEAR(scaled.params()[1], 400.0 / 1.1, 1e-9);
-}
-
-TEST(WithPrincipalPointMoved, MovesAllPixelsAlike) {
-  const Eigen::Vector3d x_in_cam(0.3, -0.2, 1.0);
-  const Eigen::Vector2d by_px(30.0, -20.0);
-  for (const Camera& camera : testing::OneCameraPerModel()) {
-    const Camera moved = WithPrincipalPointMoved(camera, by_px);
-    EXPECT_LT((*moved.Project(x_in_cam) - *camera.Project(x_in_cam) - by_px).norm(), 1e-9)
-        << CameraModelName(camera.model());
-  }
-}
-
 TEST(CameraOfUnknownFocal, LooksStraightThroughTheMiddle) {
   const Camera camera = CameraOfUnknownFocal(600, 1000);
   EXPECT_EQ(camera.model(), CameraModel::kSimpleRadial);

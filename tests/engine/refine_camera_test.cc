@@ -141,8 +141,7 @@ TEST(RefineCamera, FindsThePrincipalPointAndTheAspectUnlessTheyAreKnown) {
     const double aspect = std::exp(CameraPrior().aspect_sigma * normal(generator));
     PoseSceneOptions options = CameraScene(300 + i);
     options.pixel_noise_px = 0.3;
-    options.camera = WithAspectScaled(
-        Camera(CameraModel::kPinhole, 640, 480, {500.0, 500.0, x_px, y_px}), aspect);
+    options.camera = Camera(CameraModel::kPinhole, 640, 480, {500.0 * aspect, 500.0, x_px, y_px});
     const PoseScene scene = MakePoseScene(options);
     CameraPrior prior = {Camera(CameraModel::kSimplePinhole, 640, 480, {500.0, 320.0, 240.0}),
                          FocalPrior{.log_sigma = 0.05}};

@@ -8,9 +8,8 @@
 
 #include "core/frames.h"
 #include "core/geodesy.h"
-#include "ingest/colmap/colmap_reader.h"
 #include "ingest/ingest_session.h"
-#include "ingest/place/georegister.h"
+#include "ingest/kitti_thirds.h"
 #include "ingest/session_refused.h"
 #include "support/street_sessions.h"
 #include "support/temp_dir.h"
@@ -125,35 +124,21 @@ TEST_F(MisplacedPart, AnotherStreetBeyondTheMapIsTaken) {
   EXPECT_GT(again.comparison.nearest_tile_m.value(), 500.0);
 }
 
-// A drive of which every third frame is the map, and every third one the session, whose last
-// frames stand on the other side of the road, or in the next one.
+// The last frames of the session stand on the other side of the road, or in the next one.
 TEST(MisplacedPartOfADrive, OfKittiIsRefused) {
   CAIRN_SKIP_WITHOUT_DATA("kitti_vo_2x51");
-  const auto dir = testing::TestDataDir() / "kitti_vo_2x51";
-  const std::vector<CameraPosition> positions =
-      ReadCameraPositions((dir / "georef_seq1.csv").string());
-  const auto read = [&](size_t first) {
-    ColmapInput input{
-        (dir / "colmap_model_seq1").string(), (dir / "database_seq1.db").string(), {}};
-    for (size_t i = first; i < positions.size(); i += 3) {
-      input.image_names.push_back(positions[i].image_name);
-    }
-    return ReadColmap(input);
-  };
-  const testing::TempDir temp;
-  MapStore store = MapStore::Create(temp.File("map.gpkg"));
-  const Reconstruction mapped = read(0);
-  const Sim3d ecef_from_world =
-      Georegister(mapped, positions, GeoregisterOptions()).ecef_from_world;
-  IngestSession(mapped, ecef_from_world, SessionNamed("map"), &store, {});
+  testing::KittiThirds drive;
   for (const Eigen::Vector3d& shift_in_enu :
        {Eigen::Vector3d(0.0, 9.5, 0.0), Eigen::Vector3d(0.0, 60.0, 0.0)}) {
     for (const int first_image_idx : {8, 12}) {
       const Reconstruction session =
-          WithPartMoved(read(1), first_image_idx,
-                        InWorld(ecef_from_world, positions.front().position, shift_in_enu));
+          WithPartMoved(drive.Third(1), first_image_idx,
+                        InWorld(drive.ecef_from_world(), drive.place(), shift_in_enu));
       EXPECT_THAT(
-          [&] { IngestSession(session, ecef_from_world, SessionNamed("wrong"), &store, {}); },
+          [&] {
+            IngestSession(session, drive.ecef_from_world(), SessionNamed("wrong"), drive.store(),
+                          {});
+          },
           ThrowsMessage<SessionRefused>(HasSubstr("agree on another motion")))
           << "images from " << first_image_idx << ", moved by " << shift_in_enu.transpose();
     }

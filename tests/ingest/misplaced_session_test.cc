@@ -8,9 +8,8 @@
 
 #include "core/angles.h"
 #include "core/error.h"
-#include "ingest/colmap/colmap_reader.h"
 #include "ingest/ingest_session.h"
-#include "ingest/place/georegister.h"
+#include "ingest/kitti_thirds.h"
 #include "support/expect_error.h"
 #include "support/street_sessions.h"
 #include "support/temp_dir.h"
@@ -143,33 +142,16 @@ TEST_F(MisplacedSession, IsRefusedWhereTheMapKnowsThePlaceIfItHasToBeAnchored) {
                        "session 'few' is not anchored: the map recognizes 0 of 7 photos");
 }
 
-// A drive of which every third frame is the map and every third one the session.
 TEST(MisplacedDrive, OfKittiIsRefused) {
   CAIRN_SKIP_WITHOUT_DATA("kitti_vo_2x51");
-  const auto dir = testing::TestDataDir() / "kitti_vo_2x51";
-  const std::vector<CameraPosition> positions =
-      ReadCameraPositions((dir / "georef_seq1.csv").string());
-  const auto read = [&](size_t first) {
-    ColmapInput input{
-        (dir / "colmap_model_seq1").string(), (dir / "database_seq1.db").string(), {}};
-    for (size_t i = first; i < positions.size(); i += 3) {
-      input.image_names.push_back(positions[i].image_name);
-    }
-    return ReadColmap(input);
-  };
-  const testing::TempDir temp;
-  MapStore store = MapStore::Create(temp.File("map.gpkg"));
-  const Reconstruction mapped = read(0);
-  const Sim3d ecef_from_world =
-      Georegister(mapped, positions, GeoregisterOptions()).ecef_from_world;
-  IngestSession(mapped, ecef_from_world, SessionNamed("map"), &store, {});
-  const Rigid3d ecef_from_enu = EcefFromEnu(positions.front().position);
+  testing::KittiThirds drive;
+  const Rigid3d ecef_from_enu = EcefFromEnu(drive.place());
   for (const Eigen::Vector3d& shift_in_enu :
        {Eigen::Vector3d(0.0, 10.0, 0.0), Eigen::Vector3d(0.0, 0.0, 20.0)}) {
-    Sim3d moved = ecef_from_world;
+    Sim3d moved = drive.ecef_from_world();
     moved.translation += ecef_from_enu.rotation * shift_in_enu;
     try {
-      IngestSession(read(1), moved, SessionNamed("wrong"), &store, {});
+      IngestSession(drive.Third(1), moved, SessionNamed("wrong"), drive.store(), {});
       FAIL() << "was accepted";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kConflict);
